@@ -1,0 +1,103 @@
+//! What can be wrong with a scene, said so that its author can mend it.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::simulation::BuildError;
+
+/// Why there is no scene to show.
+#[derive(Debug, Error)]
+pub enum SceneError {
+    /// Neither a built-in scene nor a scene file has this name.
+    #[error(
+        "there is no scene \"{name}\"; choose from: {}; or give the path of a .toml file",
+        super::catalogue::names().join(", ")
+    )]
+    Unknown {
+        /// The name as it was given.
+        name: String,
+    },
+    /// The file cannot be read.
+    #[error("{}: {source}; give the path of a scene file, or a built-in scene's name", path.display())]
+    Unreadable {
+        /// The file's path.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The file is larger than any scene may be.
+    #[error("{} has more than {most} bytes, the most a scene file may have; write [[fill]] for many balls", path.display())]
+    TooLong {
+        /// The file's path.
+        path: PathBuf,
+        /// The largest length allowed.
+        most: u64,
+    },
+    /// The text is not a scene.
+    #[error("{0}")]
+    Wrong(Fault),
+    /// Balls that were asked for outside of a file do not fit.
+    #[error(
+        "{placed} of the {count} balls to add found room; ask for fewer with --balls, or for a larger --size"
+    )]
+    NoRoom {
+        /// How many found a place.
+        placed: usize,
+        /// How many were asked for.
+        count: usize,
+    },
+    /// The world and its balls do not go together.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}
+
+/// Something wrong in a scene's text: where, what, and what to write instead.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The file's path or the built-in scene's name.
+    pub origin: String,
+    /// The line, from 1; `None` where the whole text is meant.
+    pub line: Option<usize>,
+    /// That line's text.
+    pub text: String,
+    /// What is wrong and what to write instead.
+    pub message: String,
+}
+
+/// Longer lines are cut in messages.
+const SHOWN_MOST: usize = 100;
+
+impl Fault {
+    /// A fault at the byte `offset` of `source`.
+    pub(super) fn at(origin: &str, source: &str, offset: Option<usize>, message: String) -> Self {
+        let Some(offset) = offset else {
+            return Self { origin: origin.to_owned(), line: None, text: String::new(), message };
+        };
+        let before = &source.as_bytes()[..offset.min(source.len())];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        let mut text: String = source.lines().nth(line - 1).unwrap_or_default().trim_end().to_owned();
+        if text.chars().count() > SHOWN_MOST {
+            text = text.chars().take(SHOWN_MOST).chain(['…']).collect();
+        }
+        Self { origin: origin.to_owned(), line: Some(line), text, message }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { origin, line, text, message } = self;
+        match line {
+            Some(line) => {
+                write!(f, "{origin}:{line}: {message}")?;
+                if !text.is_empty() {
+                    write!(f, "\n{line:>6} | {text}")?;
+                }
+                Ok(())
+            }
+            None => write!(f, "{origin}: {message}"),
+        }
+    }
+}

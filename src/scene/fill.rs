@@ -1,0 +1,395 @@
+//! Random balls that overlap nothing.
+//!
+//! Balls are first thrown at random places, the largest first, as long as places are easy to find (random sequential
+//! addition: it jams near 0.547 of the area for equal discs; Feder 1980). Denser fills stand on the sites of a
+//! hexagonal lattice, as wide as the room allows, each shifted at random within its share.
+//!
+//! All comes from ChaCha8 seeded by the fill's seed, with only + − × ÷ √ behind it: the same seed gives the same balls
+//! on every machine.
+
+use glam::DVec2;
+use rand::rngs::ChaCha8Rng;
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+
+use crate::simulation::{Ball, World};
+
+/// A number of random balls.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fill {
+    /// How many.
+    pub(crate) count: usize,
+    /// The range that radii come from, px.
+    pub(crate) radius: (f64, f64),
+    /// The range that speeds come from, px/s; directions are random.
+    pub(crate) speed: (f64, f64),
+    pub(crate) material: Material,
+    pub(crate) restitution: f64,
+    pub(crate) seed: u64,
+    /// The corners of the region that the balls lie in wholly; `None` for the whole world.
+    pub(crate) region: Option<(DVec2, DVec2)>,
+    /// Where the fill stands in its file.
+    pub(crate) offset: Option<usize>,
+}
+
+/// What random balls weigh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Material {
+    /// All the same.
+    Mass(f64),
+    /// By area, mass per px².
+    Density(f64),
+}
+
+/// How often a place is drawn, on average per ball, before the lattice is tried.
+const DRAWS_PER_BALL: usize = 200;
+/// Draws that are always allowed, so that few balls get a fair chance.
+const DRAWS_LEAST: usize = 10_000;
+/// How closely the pitch of the lattice is sought: halvings of the interval that it lies in.
+const PITCH_STEPS: u32 = 40;
+
+impl Fill {
+    /// As many of the fill's balls as find room among `present` in `world`; `stream` sets fills of one seed apart.
+    pub(crate) fn place(&self, world: &World, present: &[Ball], stream: u64) -> Vec<Ball> {
+        let (low, high) = self.region.unwrap_or((DVec2::ZERO, world.size()));
+        let room = Room { low, high: high.min(world.size()) };
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(stream);
+        let radii: Vec<f64> = (0..self.count).map(|_| between(&mut rng, self.radius)).collect();
+
+        let mut places = throw(&mut rng, &room, &radii, present);
+        if places.len() < self.count {
+            let on_lattice = lay_out(&mut rng, &room, &radii, self.radius.1, present);
+            if on_lattice.len() == self.count {
+                places = on_lattice;
+            }
+        }
+        // The largest were placed first; the scene's order is the one in which they were drawn.
+        places.sort_unstable_by_key(|&(index, _)| index);
+        let ball = |(index, position): (usize, DVec2)| {
+            let radius = radii[index];
+            let mass = match self.material {
+                Material::Mass(mass) => mass,
+                Material::Density(density) => density * std::f64::consts::PI * radius * radius,
+            };
+            let velocity = random_direction(&mut rng) * between(&mut rng, self.speed);
+            let ball =
+                Ball::new(position, radius)?.with_velocity(velocity)?.with_restitution(self.restitution)?;
+            // A density at the end of its range may make a mass beyond its own: the nearest mass will do.
+            ball.with_mass(
+                mass.clamp(crate::simulation::limits::MASS.low, crate::simulation::limits::MASS.high),
+            )
+        };
+        let balls: Result<Vec<Ball>, _> = places.into_iter().map(ball).collect();
+        balls.expect("a fill's ranges are checked when it is made")
+    }
+}
+
+/// Random balls for a world, of the material of its last ball, small enough to find room: what `--balls` and the
+/// window's keys add.
+pub(crate) fn filling(count: usize, world: &World, balls: &[Ball], seed: u64) -> Fill {
+    let area = world.size().x * world.size().y;
+    // Radii from R/2 to R have a mean square of 7/12 R².
+    let widest = (ADDED_AREA * area / (count.max(1) as f64 * std::f64::consts::PI * 7.0 / 12.0)).sqrt();
+    let widest = widest.min(ADDED_RADIUS).min(world.size().min_element() / 2.0);
+    let (material, restitution) = balls.last().map_or((Material::Mass(1.0), 1.0), |ball| {
+        let area = std::f64::consts::PI * ball.radius() * ball.radius();
+        (Material::Density(ball.mass() / area), ball.restitution())
+    });
+    Fill {
+        count,
+        radius: (widest / 2.0, widest),
+        speed: (0.0, ADDED_SPEED),
+        material,
+        restitution,
+        seed,
+        region: None,
+        offset: None,
+    }
+}
+
+/// The share of the world that added balls cover at most.
+const ADDED_AREA: f64 = 0.25;
+/// The largest radius of an added ball, px.
+const ADDED_RADIUS: f64 = 24.0;
+/// The highest speed of an added ball, px/s.
+const ADDED_SPEED: f64 = 400.0;
+
+/// Places drawn at random, each with the index of its radius; fewer than radii where the draws ran out.
+fn throw(rng: &mut ChaCha8Rng, room: &Room, radii: &[f64], present: &[Ball]) -> Vec<(usize, DVec2)> {
+    let mut order: Vec<usize> = (0..radii.len()).collect();
+    order.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
+    let widest = order.first().map_or(1.0, |&first| radii[first]);
+    let mut taken = Taken::new(room, widest, present, radii.len());
+    let mut draws = DRAWS_LEAST.saturating_add(DRAWS_PER_BALL.saturating_mul(radii.len()));
+    let mut places = Vec::with_capacity(radii.len());
+    for index in order {
+        let radius = radii[index];
+        let (low, high) = (room.low + radius, room.high - radius);
+        if !high.cmpge(low).all() {
+            continue;
+        }
+        while draws > 0 {
+            draws -= 1;
+            let at = low + (high - low) * DVec2::new(rng.random(), rng.random());
+            if taken.is_free(at, radius) {
+                taken.take(at, radius);
+                places.push((index, at));
+                break;
+            }
+        }
+    }
+    places
+}
+
+/// Places on a hexagonal lattice, in random order and shifted at random; none where the room is too small.
+fn lay_out(
+    rng: &mut ChaCha8Rng,
+    room: &Room,
+    radii: &[f64],
+    widest: f64,
+    present: &[Ball],
+) -> Vec<(usize, DVec2)> {
+    let taken = Taken::new(room, widest, present, 0);
+    let sites = |pitch: f64| lattice(room, pitch, widest, &taken);
+    let tightest = 2.0 * widest;
+    if room.lattice_size(tightest, widest) < radii.len() {
+        return Vec::new();
+    }
+    // The widest pitch that still has a site for each ball.
+    let (mut low, mut high) = (tightest, (room.high - room.low).max_element().max(tightest));
+    for _ in 0..PITCH_STEPS {
+        let middle = f64::midpoint(low, high);
+        if room.lattice_size(middle, widest) >= radii.len() && sites(middle).len() >= radii.len() {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let mut places = sites(low);
+    if places.len() < radii.len() {
+        return Vec::new();
+    }
+    places.shuffle(rng);
+    let shift = |(index, site): (usize, DVec2)| {
+        let radius = radii[index];
+        let reach = (low / 2.0 - radius) * (1.0 - 1e-9);
+        let at = site + random_direction(rng) * (reach * rng.random::<f64>());
+        (index, at.max(room.low + radius).min(room.high - radius))
+    };
+    places.into_iter().take(radii.len()).enumerate().map(shift).collect()
+}
+
+/// The lattice's sites of this pitch at which a ball of half the pitch meets nothing that is taken.
+fn lattice(room: &Room, pitch: f64, widest: f64, taken: &Taken) -> Vec<DVec2> {
+    let row_height = pitch * 3.0_f64.sqrt() / 2.0;
+    let (low, high) = (room.low + widest, room.high - widest);
+    let mut sites = Vec::new();
+    let mut row = 0;
+    loop {
+        let y = low.y + f64::from(row) * row_height;
+        if y > high.y {
+            return sites;
+        }
+        let indent = if row % 2 == 0 { 0.0 } else { pitch / 2.0 };
+        let mut column = 0;
+        loop {
+            let x = low.x + indent + f64::from(column) * pitch;
+            if x > high.x {
+                break;
+            }
+            if taken.is_free(DVec2::new(x, y), pitch / 2.0) {
+                sites.push(DVec2::new(x, y));
+            }
+            column += 1;
+        }
+        row += 1;
+    }
+}
+
+/// A number from a closed range.
+fn between(rng: &mut ChaCha8Rng, (low, high): (f64, f64)) -> f64 {
+    (low + (high - low) * rng.random::<f64>()).min(high)
+}
+
+/// A unit vector in a random direction, without sines: a point drawn in the unit disc, set to length 1.
+fn random_direction(rng: &mut ChaCha8Rng) -> DVec2 {
+    loop {
+        let point = 2.0 * DVec2::new(rng.random(), rng.random()) - 1.0;
+        let squared = point.length_squared();
+        if squared <= 1.0 && squared > 1e-6 {
+            return point / squared.sqrt();
+        }
+    }
+}
+
+/// The rectangle to fill.
+struct Room {
+    low: DVec2,
+    high: DVec2,
+}
+
+impl Room {
+    /// About how many sites a lattice has here, from above: enough to refuse what can never fit.
+    fn lattice_size(&self, pitch: f64, widest: f64) -> usize {
+        let inner = self.high - self.low - 2.0 * widest;
+        if inner.min_element() < 0.0 {
+            return 0;
+        }
+        let rows = inner.y / (pitch * 3.0_f64.sqrt() / 2.0) + 1.0;
+        ((inner.x / pitch + 1.0).floor() * rows.floor()) as usize
+    }
+}
+
+/// The discs in a room, in every cell that their bounding boxes touch.
+struct Taken {
+    low: DVec2,
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    /// The first link of each cell's chain.
+    heads: Vec<u32>,
+    /// A disc, and the next link of the chain.
+    links: Vec<(u32, u32)>,
+    discs: Vec<(DVec2, f64)>,
+}
+
+/// The end of a chain.
+const NONE: u32 = u32::MAX;
+
+impl Taken {
+    /// The discs of `present`, with room for `more` of radii up to `widest`.
+    fn new(room: &Room, widest: f64, present: &[Ball], more: usize) -> Self {
+        let extent = (room.high - room.low).max(DVec2::splat(f64::MIN_POSITIVE));
+        // No more than a few cells a ball, however small the balls.
+        let least = (extent.x * extent.y / (4 * (present.len() + more) + 64) as f64).sqrt();
+        let cell = (2.0 * widest).max(least);
+        let count = |length: f64| ((length / cell) as usize).min(1 << 20) + 1;
+        let (columns, rows) = (count(extent.x), count(extent.y));
+        let heads = vec![NONE; columns * rows];
+        let mut taken =
+            Self { low: room.low, cell, columns, rows, heads, links: Vec::new(), discs: Vec::new() };
+        for ball in present {
+            taken.take(ball.position(), ball.radius());
+        }
+        taken
+    }
+
+    /// The cells that a disc's bounding box touches; those outside count as the border's.
+    fn cells(&self, at: DVec2, radius: f64) -> impl Iterator<Item = usize> + use<> {
+        let low = (at - radius - self.low) / self.cell;
+        let high = (at + radius - self.low) / self.cell;
+        // A cast from a float saturates: what lies before the first cell is in it.
+        let columns = (low.x as usize).min(self.columns - 1)..=(high.x as usize).min(self.columns - 1);
+        let rows = (low.y as usize).min(self.rows - 1)..=(high.y as usize).min(self.rows - 1);
+        let width = self.columns;
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    }
+
+    fn take(&mut self, at: DVec2, radius: f64) {
+        let disc = self.discs.len() as u32;
+        self.discs.push((at, radius));
+        for cell in self.cells(at, radius) {
+            self.links.push((disc, self.heads[cell]));
+            self.heads[cell] = (self.links.len() - 1) as u32;
+        }
+    }
+
+    fn is_free(&self, at: DVec2, radius: f64) -> bool {
+        self.cells(at, radius).all(|cell| {
+            let mut link = self.heads[cell];
+            while link != NONE {
+                let (disc, next) = self.links[link as usize];
+                let (position, other) = self.discs[disc as usize];
+                let reach = radius + other;
+                if at.distance_squared(position) < reach * reach {
+                    return false;
+                }
+                link = next;
+            }
+            true
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::grid::Grid;
+    use crate::simulation::invariants::{max_overlap, max_wall_overlap};
+
+    fn fill(count: usize, radius: (f64, f64)) -> Fill {
+        Fill {
+            count,
+            radius,
+            speed: (10.0, 200.0),
+            material: Material::Density(1.0),
+            restitution: 0.7,
+            seed: 1,
+            region: None,
+            offset: None,
+        }
+    }
+
+    fn world(width: f64, height: f64) -> World {
+        World::new(DVec2::new(width, height)).unwrap().with_walls(1.0).unwrap()
+    }
+
+    fn assert_sound(world: &World, balls: &[Ball]) {
+        assert!(max_overlap(&mut Grid::new(balls, world.size()), balls) < 1e-9);
+        assert!(max_wall_overlap(world, balls) < 1e-9);
+    }
+
+    #[test]
+    fn filled_balls_overlap_nothing_and_keep_to_their_ranges() {
+        let world = world(1280.0, 720.0);
+        let present = [Ball::new(DVec2::new(600.0, 300.0), 250.0).unwrap()];
+        let balls = fill(1000, (3.0, 6.0)).place(&world, &present, 0);
+        assert_eq!(balls.len(), 1000);
+        for ball in &balls {
+            assert!((3.0..=6.0).contains(&ball.radius()));
+            assert!((10.0 - 1e-9..=200.0 + 1e-9).contains(&ball.velocity().length()));
+            assert_eq!(ball.restitution(), 0.7);
+        }
+        assert_sound(&world, &[&present[..], &balls].concat());
+    }
+
+    #[test]
+    fn a_fill_too_dense_for_chance_stands_on_a_lattice() {
+        // 0.75 of the area: random places jam near 0.547.
+        let world = world(1000.0, 1000.0);
+        let count = (0.75 * 1e6 / (std::f64::consts::PI * 25.0)) as usize;
+        let balls = fill(count, (5.0, 5.0)).place(&world, &[], 0);
+        assert_eq!(balls.len(), count);
+        assert_sound(&world, &balls);
+    }
+
+    #[test]
+    fn what_cannot_fit_is_left_out_and_counted() {
+        let balls = fill(1000, (20.0, 20.0)).place(&world(300.0, 200.0), &[], 0);
+        assert!(balls.len() < 40 && balls.len() > 10, "{}", balls.len());
+        let tiny = fill(10, (20.0, 20.0)).place(&world(30.0, 30.0), &[], 0);
+        assert!(tiny.is_empty());
+    }
+
+    #[test]
+    fn one_seed_gives_the_same_balls_and_another_gives_others() {
+        let world = world(800.0, 600.0);
+        let fill = fill(50, (3.0, 6.0));
+        assert_eq!(fill.place(&world, &[], 0), fill.place(&world, &[], 0));
+        assert_ne!(fill.place(&world, &[], 0), fill.place(&world, &[], 1));
+        let other = Fill { seed: 2, ..fill.clone() };
+        assert_ne!(fill.place(&world, &[], 0), other.place(&world, &[], 0));
+    }
+
+    #[test]
+    fn seed_1_means_these_balls_for_ever() {
+        let ball = fill(1, (3.0, 6.0)).place(&world(800.0, 600.0), &[], 0)[0];
+        let state =
+            [ball.position().x, ball.position().y, ball.radius(), ball.velocity().x, ball.velocity().y];
+        assert_eq!(state, SEED_1);
+    }
+
+    const SEED_1: [f64; 5] =
+        [67.83800213862276, 357.12356294426087, 4.207456990994544, -114.86292219146435, -88.52193335343495];
+}

@@ -1,0 +1,169 @@
+//! Scenes: what a simulation starts from, as data.
+//!
+//! A scene is a TOML file, built in or the user's own. It says which physics it wants; what it leaves out does not exist
+//! for it. [`Scene::build`] makes a [`Simulation`] of it and decides there, once, which parts run.
+
+mod catalogue;
+mod error;
+mod file;
+mod fill;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use glam::DVec2;
+
+pub use catalogue::{STAGES, names};
+pub use error::{Fault, SceneError};
+pub use fill::Fill;
+pub(crate) use fill::filling;
+
+use crate::simulation::{Ball, Simulation, Solver, World};
+
+/// The world's size where a scene does not give one, px.
+pub const DEFAULT_SIZE: DVec2 = DVec2::new(1280.0, 720.0);
+/// The scene that the program opens with.
+pub const DEFAULT_SCENE: &str = "gravity";
+/// The longest scene file: ten million balls need about this much.
+const LONGEST_FILE: u64 = 1 << 30;
+
+/// A scene: a world, balls, random fills, and the solver that suits them.
+///
+/// ```
+/// use carom::Scene;
+///
+/// let mut simulation = Scene::load("gravity")?.build()?;
+/// assert_eq!(simulation.balls().len(), 15);
+/// simulation.advance(1.0 / 60.0).expect("a frame's delta is in range");
+/// # Ok::<(), carom::SceneError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    origin: String,
+    source: String,
+    about: String,
+    solver: Solver,
+    world: World,
+    balls: Vec<Ball>,
+    fills: Vec<Fill>,
+    /// How many random balls to add, and their seed.
+    added: Option<(usize, u64)>,
+}
+
+impl Scene {
+    /// The built-in scene of this name, or the scene file at this path.
+    ///
+    /// # Errors
+    /// [`SceneError`] where there is neither, or the file cannot be read or is not a scene.
+    pub fn load(name: &str) -> Result<Self, SceneError> {
+        if let Some(builtin) = catalogue::find(name) {
+            return Self::parse(builtin.name, builtin.source);
+        }
+        let path = Path::new(name);
+        if path.extension().is_none() && path.components().count() <= 1 {
+            return Err(SceneError::Unknown { name: name.to_owned() });
+        }
+        Self::parse(name, &read(path)?)
+    }
+
+    /// A scene from the text of a scene file; messages call it `origin`.
+    ///
+    /// # Errors
+    /// [`SceneError::Wrong`], with the line and what to write instead.
+    pub fn parse(origin: &str, source: &str) -> Result<Self, SceneError> {
+        let scene = file::parse(origin, source).map_err(SceneError::Wrong)?;
+        Ok(Self { source: source.to_owned(), ..scene })
+    }
+
+    /// The same scene, moved on by another solver.
+    #[must_use]
+    pub fn with_solver(self, solver: Solver) -> Self {
+        Self { solver, ..self }
+    }
+
+    /// The same scene in a world of another size, px.
+    ///
+    /// # Errors
+    /// [`OutOfRange`](crate::OutOfRange) where a side is not in the range of sizes.
+    pub fn with_size(self, size: DVec2) -> Result<Self, crate::OutOfRange> {
+        Ok(Self { world: self.world.with_size(size)?, ..self })
+    }
+
+    /// The same scene with `count` random balls more, the same for the same seed.
+    #[must_use]
+    pub fn with_added(self, count: usize, seed: Option<u64>) -> Self {
+        Self { added: Some((count, seed.unwrap_or(file::SEED_DEFAULT))), ..self }
+    }
+
+    /// The name to show: a built-in scene's own, or the file's without folder and ending.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        Path::new(&self.origin).file_stem().and_then(|stem| stem.to_str()).unwrap_or(&self.origin)
+    }
+
+    /// One line on what the scene shows; may be empty.
+    #[must_use]
+    pub fn about(&self) -> &str {
+        &self.about
+    }
+
+    /// The text of the scene file.
+    #[must_use]
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// The world that the scene asks for.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The simulation that this scene describes, at time 0, with its fills placed.
+    ///
+    /// # Errors
+    /// [`SceneError`] where balls do not fit.
+    pub fn build(&self) -> Result<Simulation, SceneError> {
+        let mut balls = self.balls.clone();
+        for (stream, fill) in (0..).zip(&self.fills) {
+            let placed = fill.place(&self.world, &balls, stream);
+            if placed.len() < fill.count {
+                let message = format!(
+                    "only {} of the fill's {} balls found room; write a smaller count or radius, or a larger region or size",
+                    placed.len(),
+                    fill.count
+                );
+                return Err(SceneError::Wrong(Fault::at(&self.origin, &self.source, fill.offset, message)));
+            }
+            balls.extend(placed);
+        }
+        if let Some((count, seed)) = self.added {
+            let total = balls.len().saturating_add(count);
+            if total > crate::simulation::limits::MAX_BALLS {
+                return Err(crate::BuildError::TooManyBalls { count: total }.into());
+            }
+            let added = filling(count, &self.world, &balls, seed).place(&self.world, &balls, ADDED_STREAM);
+            if added.len() < count {
+                return Err(SceneError::NoRoom { placed: added.len(), count });
+            }
+            balls.extend(added);
+        }
+        Ok(Simulation::new(self.world, balls, self.solver)?)
+    }
+}
+
+/// Sets balls that are added apart from a file's fills of the same seed.
+const ADDED_STREAM: u64 = 1 << 32;
+
+fn read(path: &Path) -> Result<String, SceneError> {
+    let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
+    let file = File::open(path).map_err(unreadable)?;
+    let mut text = String::new();
+    // One byte more than allowed tells a file that is too long from one that just is not.
+    file.take(LONGEST_FILE + 1).read_to_string(&mut text).map_err(unreadable)?;
+    if text.len() as u64 > LONGEST_FILE {
+        return Err(SceneError::TooLong { path: path.to_owned(), most: LONGEST_FILE });
+    }
+    Ok(text)
+}

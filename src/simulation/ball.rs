@@ -1,0 +1,100 @@
+//! A ball: a rigid disc that does not turn.
+
+use glam::DVec2;
+
+use super::limits::{COORDINATE, MASS, OutOfRange, RADIUS, RESTITUTION, VELOCITY};
+
+/// A disc with a position, a velocity, a radius, a mass and a coefficient of restitution.
+///
+/// A `Ball` that exists is valid: its numbers are finite and in the ranges of [`limits`](super::limits), so no solver
+/// checks them again. Lengths are in px with y growing downward, times in seconds.
+///
+/// ```
+/// use carom::{Ball, DVec2};
+///
+/// let ball = Ball::new(DVec2::new(30.0, 50.0), 30.0)?
+///     .with_velocity(DVec2::new(-100.0, 390.0))?
+///     .with_mass(30.0)?
+///     .with_restitution(0.7)?;
+/// assert_eq!(ball.radius(), 30.0);
+/// assert!(Ball::new(DVec2::ZERO, 0.0).is_err());
+/// # Ok::<(), carom::OutOfRange>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ball {
+    pub(super) position: DVec2,
+    pub(super) velocity: DVec2,
+    pub(super) radius: f64,
+    pub(super) mass: f64,
+    pub(super) restitution: f64,
+}
+
+impl Ball {
+    /// A ball at rest with its centre at `position` px, of `radius` px, mass 1 and restitution 1.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where a coordinate or the radius is not in its range.
+    pub fn new(position: DVec2, radius: f64) -> Result<Self, OutOfRange> {
+        Ok(Self {
+            position: COORDINATE.check_vector(position)?,
+            velocity: DVec2::ZERO,
+            radius: RADIUS.check(radius)?,
+            mass: 1.0,
+            restitution: 1.0,
+        })
+    }
+
+    /// The same ball, moving at `velocity` px/s.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where a component is not in the range of velocities.
+    pub fn with_velocity(self, velocity: DVec2) -> Result<Self, OutOfRange> {
+        Ok(Self { velocity: VELOCITY.check_vector(velocity)?, ..self })
+    }
+
+    /// The same ball, of another mass, in any unit that all balls share.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where the mass is not in its range; a mass is never 0.
+    pub fn with_mass(self, mass: f64) -> Result<Self, OutOfRange> {
+        Ok(Self { mass: MASS.check(mass)?, ..self })
+    }
+
+    /// The same ball, of another coefficient of restitution. Where two balls meet, the smaller of theirs counts.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where it is not from 0 to 1.
+    pub fn with_restitution(self, restitution: f64) -> Result<Self, OutOfRange> {
+        Ok(Self { restitution: RESTITUTION.check(restitution)?, ..self })
+    }
+
+    /// The centre, px.
+    #[must_use]
+    pub fn position(&self) -> DVec2 {
+        self.position
+    }
+
+    /// The velocity, px/s.
+    #[must_use]
+    pub fn velocity(&self) -> DVec2 {
+        self.velocity
+    }
+
+    /// The radius, px.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The mass.
+    #[must_use]
+    pub fn mass(&self) -> f64 {
+        self.mass
+    }
+
+    /// The coefficient of restitution, 0 to 1.
+    #[must_use]
+    pub fn restitution(&self) -> f64 {
+        self.restitution
+    }
+}

@@ -1,0 +1,168 @@
+//! The `canvas` solver: the demo's own frame step, bit for bit.
+//!
+//! Each frame moves every ball by its velocity times the delta, bounces it off the walls, and lets touching balls
+//! exchange momentum, in the demo's order of operations. It never moves overlapping balls apart, and its result depends
+//! on how time is cut into frames: that is the demo. What `canvas` adds is only speed: beyond [`ALL_PAIRS_MOST`] balls
+//! the search for touching pairs runs on a [`Grid`], and the pairs found are put back into the demo's order.
+
+use super::ball::Ball;
+use super::grid::{Grid, touch};
+use super::impulse::{Form, canvas_impact};
+use super::world::{Pairs, World};
+use super::{Advance, Frame, Part};
+
+/// The most balls for which comparing all pairs is cheaper than keeping a grid (measured: they draw level near 40).
+const ALL_PAIRS_MOST: usize = 40;
+
+/// The canvas demo's frame step.
+#[derive(Debug)]
+pub(super) struct Canvas {
+    search: Search,
+    /// `None` where contacts are only detected.
+    impulse: Option<Form>,
+}
+
+/// How touching pairs are found.
+#[derive(Debug)]
+enum Search {
+    Nothing,
+    AllPairs,
+    Grid(Grid),
+}
+
+impl Canvas {
+    /// Decides, once, which parts of the step this world and these balls need.
+    pub(super) fn new(world: &World, balls: &[Ball]) -> Self {
+        let search = match (world.pairs, balls.len()) {
+            (None, _) | (_, 0..=1) => Search::Nothing,
+            (_, 2..=ALL_PAIRS_MOST) => Search::AllPairs,
+            _ => Search::Grid(Grid::new(balls, world.size)),
+        };
+        // The demo's `elastic` stage knows no restitution and has a formula of its own.
+        let elastic = balls.iter().all(|ball| ball.restitution == 1.0);
+        let form = if elastic { Form::Elastic } else { Form::Inelastic };
+        Self { search, impulse: (world.pairs == Some(Pairs::Impulse)).then_some(form) }
+    }
+}
+
+impl Advance for Canvas {
+    fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64) {
+        match (frame.world.gravity.is_some(), frame.world.walls.is_some()) {
+            (false, false) => move_balls::<false, false>(frame, seconds),
+            (false, true) => move_balls::<false, true>(frame, seconds),
+            (true, false) => move_balls::<true, false>(frame, seconds),
+            (true, true) => move_balls::<true, true>(frame, seconds),
+        }
+        match (&mut self.search, self.impulse) {
+            (Search::Nothing, _) => {}
+            (Search::AllPairs, None) => all_pairs(frame, show),
+            (Search::AllPairs, Some(Form::Elastic)) => all_pairs(frame, collide::<true>),
+            (Search::AllPairs, Some(Form::Inelastic)) => all_pairs(frame, collide::<false>),
+            (Search::Grid(grid), None) => {
+                // Flags are the same in any order.
+                grid.find(frame.balls);
+                in_order(grid, frame, show);
+            }
+            (Search::Grid(grid), Some(form)) => {
+                grid.find(frame.balls);
+                grid.sort();
+                match form {
+                    Form::Elastic => in_order(grid, frame, collide::<true>),
+                    Form::Inelastic => in_order(grid, frame, collide::<false>),
+                }
+            }
+        }
+    }
+
+    fn parts(&self, world: &World) -> Vec<Part> {
+        let mut parts = vec![Part::Motion];
+        if world.gravity.is_some() {
+            parts.push(Part::Gravity);
+        }
+        if world.walls.is_some() {
+            parts.push(Part::Walls);
+        }
+        match self.search {
+            Search::Nothing => return parts,
+            Search::AllPairs => parts.push(Part::AllPairs),
+            Search::Grid(_) => parts.push(Part::Grid),
+        }
+        if self.impulse.is_some() {
+            parts.push(Part::Impulse);
+        }
+        parts
+    }
+}
+
+/// Steps 1 and 2 of the demo's frame. It runs them as two loops over the balls; in one loop each ball sees the same
+/// operations in the same order.
+fn move_balls<const GRAVITY: bool, const WALLS: bool>(frame: &mut Frame<'_>, seconds: f64) {
+    let gravity = frame.world.gravity.unwrap_or_default() * seconds;
+    let restitution = frame.world.walls.unwrap_or_default();
+    let size = frame.world.size;
+    let mut hits = 0;
+    for ball in &mut *frame.balls {
+        if GRAVITY {
+            ball.velocity += gravity;
+        }
+        ball.position += ball.velocity * seconds;
+        if WALLS {
+            let (radius, high) = (ball.radius, size - ball.radius);
+            hits += bounce(&mut ball.position.x, &mut ball.velocity.x, radius, high.x, restitution);
+            hits += bounce(&mut ball.position.y, &mut ball.velocity.y, radius, high.y, restitution);
+        }
+    }
+    frame.tally.wall_hits += hits;
+}
+
+/// One axis of a ball against its two walls; 1 where it hit one.
+#[inline]
+fn bounce(position: &mut f64, velocity: &mut f64, low: f64, high: f64, restitution: f64) -> u64 {
+    let at = if *position < low {
+        low
+    } else if *position > high {
+        high
+    } else {
+        return 0;
+    };
+    *position = at;
+    *velocity = -*velocity * restitution;
+    1
+}
+
+/// Step 3 of the demo's frame, as it stands there.
+fn all_pairs(frame: &mut Frame<'_>, mut contact: impl FnMut(&mut Frame<'_>, usize, usize)) {
+    frame.touching.fill(false);
+    for i in 0..frame.balls.len() {
+        let Ball { position, radius, .. } = frame.balls[i];
+        for j in i + 1..frame.balls.len() {
+            let other = &frame.balls[j];
+            if touch(position, radius, other.position, other.radius) {
+                contact(frame, i, j);
+            }
+        }
+    }
+}
+
+/// Step 3 on the pairs of the grid.
+fn in_order(grid: &Grid, frame: &mut Frame<'_>, mut contact: impl FnMut(&mut Frame<'_>, usize, usize)) {
+    frame.touching.fill(false);
+    for &(i, j) in grid.touching() {
+        contact(frame, i as usize, j as usize);
+    }
+}
+
+fn show(frame: &mut Frame<'_>, i: usize, j: usize) {
+    frame.touching[i] = true;
+    frame.touching[j] = true;
+}
+
+fn collide<const ELASTIC: bool>(frame: &mut Frame<'_>, i: usize, j: usize) {
+    show(frame, i, j);
+    let form = if ELASTIC { Form::Elastic } else { Form::Inelastic };
+    if let Some((first, second)) = canvas_impact(form, &frame.balls[i], &frame.balls[j]) {
+        frame.balls[i].velocity = first;
+        frame.balls[j].velocity = second;
+        frame.tally.impacts += 1;
+    }
+}

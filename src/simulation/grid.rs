@@ -1,0 +1,313 @@
+//! Broad phase: which balls touch, without asking every pair.
+//!
+//! Balls are sorted by counting into the cells of a uniform grid, and each is compared with those of its own and the
+//! neighbouring cells. The grid is a torus: a cell far away shares its place with one near by, so that balls may be
+//! anywhere and the grid stays small; a pair found by that coincidence fails the comparison of true distances. A ball
+//! too big for the cells looks up the cells that it reaches instead, so one giant among grains costs only itself.
+
+use std::ops::Range;
+
+use glam::DVec2;
+
+use super::ball::Ball;
+
+/// A uniform grid over balls, reused from frame to frame.
+#[derive(Debug, Clone)]
+pub struct Grid {
+    /// Cells per px on each axis.
+    density: DVec2,
+    /// Columns and rows, powers of two, at least 4 so that a cell's neighbours are all different.
+    columns: usize,
+    rows: usize,
+    /// The largest radius that the cells are wide enough for.
+    reach: f64,
+    /// Where each cell's balls begin in `sorted`; one more than there are cells.
+    starts: Vec<u32>,
+    cell_of: Vec<u32>,
+    sorted: Vec<Entry>,
+    large: Vec<Entry>,
+    touching: Vec<(u32, u32)>,
+}
+
+/// What the comparison needs of a ball, side by side in the order of the cells.
+#[derive(Debug, Clone, Copy, Default)]
+struct Entry {
+    position: DVec2,
+    radius: f64,
+    index: u32,
+}
+
+/// A part of a cell that covers the rounding of coordinates: 2⁻¹² of a cell while they are less than [`FAR`] cells.
+const EDGE: f64 = 1.0 / 1024.0;
+/// Cells are this much wider than the largest diameter, so that rounding never puts two touching balls two
+/// cells apart.
+const MARGIN: f64 = 1.0 + EDGE;
+/// Coordinates are clamped to this many cells: all that is farther out shares the outermost ones.
+const FAR: f64 = (1_u64 << 40) as f64;
+/// Adding this to a number of less than 2⁵¹ leaves its nearest integer in the low bits of the sum.
+const ROUND_TO_BITS: f64 = 1.5 * (1_u64 << 52) as f64;
+/// Marks a ball that is kept out of the cells.
+const NO_CELL: u32 = u32::MAX;
+
+impl Grid {
+    /// A grid with cells that suit the radii of `balls`, spread over about `size` px. It stays right, if not fast, for
+    /// any other balls.
+    #[must_use]
+    pub fn new(balls: &[Ball], size: DVec2) -> Self {
+        let reach = reach(balls);
+        // No more than about two cells a ball: sparse worlds get larger cells rather than a longer table.
+        let most = (2 * balls.len()).max(16);
+        let side = |length: f64| {
+            let cells = length / (2.0 * MARGIN * reach);
+            let mut count = 4;
+            while count * 2 <= most && (count * 2) as f64 <= cells {
+                count *= 2;
+            }
+            count
+        };
+        let (mut columns, mut rows) = (side(size.x), side(size.y));
+        while columns * rows > most && columns.max(rows) > 4 {
+            if columns > rows { columns /= 2 } else { rows /= 2 }
+        }
+        let width = (size / DVec2::new(columns as f64, rows as f64)).max(DVec2::splat(2.0 * MARGIN * reach));
+        Self {
+            density: width.recip(),
+            columns,
+            rows,
+            reach,
+            starts: Vec::new(),
+            cell_of: Vec::new(),
+            sorted: Vec::new(),
+            large: Vec::new(),
+            touching: Vec::new(),
+        }
+    }
+
+    /// Finds all pairs of `balls` that touch: (xᵢ−xⱼ)² + (yᵢ−yⱼ)² ≤ (rᵢ+rⱼ)², in no particular order.
+    ///
+    /// Balls with a NaN or an infinity touch nothing.
+    pub fn find(&mut self, balls: &[Ball]) {
+        self.touching.clear();
+        self.sort_into_cells(balls);
+        self.compare_neighbours();
+        self.compare_large();
+    }
+
+    /// Brings the pairs found into the order in which a loop over i and j > i meets them.
+    ///
+    /// Pairs that share no ball could be solved in any order; those that share one could not.
+    pub fn sort(&mut self) {
+        self.touching.sort_unstable();
+    }
+
+    /// The pairs (i, j), i < j, that the last [`find`](Self::find) found.
+    #[must_use]
+    pub fn touching(&self) -> &[(u32, u32)] {
+        &self.touching
+    }
+
+    /// A counting sort of the balls by cell, those too large for the cells apart.
+    fn sort_into_cells(&mut self, balls: &[Ball]) {
+        self.starts.clear();
+        self.starts.resize(self.columns * self.rows + 1, 0);
+        self.cell_of.clear();
+        self.large.clear();
+        for (index, ball) in balls.iter().enumerate() {
+            if ball.radius > self.reach {
+                self.cell_of.push(NO_CELL);
+                self.large.push(Entry::new(index, ball));
+                continue;
+            }
+            let column = wrap(ball.position.x * self.density.x, self.columns);
+            let row = wrap(ball.position.y * self.density.y, self.rows);
+            let cell = row * self.columns + column;
+            self.starts[cell] += 1;
+            self.cell_of.push(cell as u32);
+        }
+        // Counts become ends; filling from the back turns ends into starts.
+        let mut end = 0;
+        for start in &mut self.starts {
+            end += *start;
+            *start = end;
+        }
+        self.sorted.resize(end as usize, Entry::default());
+        for (index, (ball, &cell)) in balls.iter().zip(&self.cell_of).enumerate().rev() {
+            if cell != NO_CELL {
+                let start = &mut self.starts[cell as usize];
+                *start -= 1;
+                self.sorted[*start as usize] = Entry::new(index, ball);
+            }
+        }
+    }
+
+    /// Compares each ball in a cell with those after it there, and with those of the cells east, south-west, south
+    /// and south-east: each pair of neighbouring cells is visited once.
+    fn compare_neighbours(&mut self) {
+        let Self { columns, rows, starts, sorted, touching, .. } = self;
+        let (last_column, last_row) = (*columns - 1, *rows - 1);
+        let range = |first: usize, last: usize| starts[first] as usize..starts[last + 1] as usize;
+        for row in 0..*rows {
+            let here = row * *columns;
+            let south = if row == last_row { 0 } else { here + *columns };
+            for column in 0..*columns {
+                let own = range(here + column, here + column);
+                if own.is_empty() {
+                    continue;
+                }
+                // Neighbours in a row are neighbours in `sorted`, so two ranges serve, but for the torus's seam.
+                let (east, seam_east) = if column == last_column {
+                    (own.clone(), range(here, here))
+                } else {
+                    (range(here + column, here + column + 1), 0..0)
+                };
+                let (below, seam_below) = if column == 0 {
+                    (range(south, south + 1), range(south + last_column, south + last_column))
+                } else if column == last_column {
+                    (range(south + column - 1, south + column), range(south, south))
+                } else {
+                    (range(south + column - 1, south + column + 1), 0..0)
+                };
+                for at in own {
+                    let ball = &sorted[at];
+                    compare(ball, &sorted[at + 1..east.end], touching);
+                    compare(ball, &sorted[below.clone()], touching);
+                    if !(seam_east.is_empty() && seam_below.is_empty()) {
+                        compare(ball, &sorted[seam_east.clone()], touching);
+                        compare(ball, &sorted[seam_below.clone()], touching);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Compares each large ball with the cells that it reaches, and with the other large ones.
+    fn compare_large(&mut self) {
+        let Self { density, columns, rows, reach, starts, sorted, large, touching, .. } = self;
+        for (at, ball) in large.iter().enumerate() {
+            compare(ball, &large[at + 1..], touching);
+            let arm = DVec2::splat(ball.radius + *reach);
+            let low = (ball.position - arm) * *density - EDGE;
+            let high = (ball.position + arm) * *density + EDGE;
+            for row in span(low.y, high.y, *rows) {
+                for column in span(low.x, high.x, *columns) {
+                    let cell = (row % *rows) * *columns + column % *columns;
+                    compare(ball, &sorted[starts[cell] as usize..starts[cell + 1] as usize], touching);
+                }
+            }
+        }
+    }
+}
+
+impl Entry {
+    fn new(index: usize, ball: &Ball) -> Self {
+        Self { position: ball.position, radius: ball.radius, index: index as u32 }
+    }
+}
+
+/// The radius that the cells are made for: the largest, unless it is out of proportion to the median.
+fn reach(balls: &[Ball]) -> f64 {
+    let mut radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+    if radii.is_empty() {
+        return 1.0;
+    }
+    let middle = radii.len() / 2;
+    let (_, &mut median, above) = radii.select_nth_unstable_by(middle, f64::total_cmp);
+    above.iter().copied().fold(median, f64::max).min(2.0 * median)
+}
+
+/// The integer nearest to a coordinate in cells less a half, as a number of cells on the torus: monotonic, without a
+/// branch, and the same for all coordinates of a cell.
+#[inline]
+fn wrap(coordinate: f64, count: usize) -> usize {
+    (bits(coordinate) as usize) & (count - 1)
+}
+
+#[inline]
+fn bits(coordinate: f64) -> u64 {
+    // `max` and `min` turn a NaN into a bound.
+    (coordinate.max(-FAR).min(FAR) - 0.5 + ROUND_TO_BITS).to_bits()
+}
+
+/// The cells from `low` to `high` on an axis of `count`, as numbers to be taken modulo `count`; each at most once.
+fn span(low: f64, high: f64, count: usize) -> Range<usize> {
+    let first = wrap(low, count);
+    let length = bits(high).wrapping_sub(bits(low)).saturating_add(1);
+    first..first + length.min(count as u64) as usize
+}
+
+#[inline]
+fn compare(ball: &Entry, others: &[Entry], touching: &mut Vec<(u32, u32)>) {
+    for other in others {
+        if touch(ball.position, ball.radius, other.position, other.radius) {
+            touching.push((ball.index.min(other.index), ball.index.max(other.index)));
+        }
+    }
+}
+
+/// Whether two discs touch or overlap. The squares are the demo's own, so the answer is too; swapping the discs does
+/// not change a bit of it.
+#[inline]
+pub(super) fn touch(p1: DVec2, r1: f64, p2: DVec2, r2: f64) -> bool {
+    let reach = r1 + r2;
+    p1.distance_squared(p2) <= reach * reach
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn all_pairs(balls: &[Ball]) -> Vec<(u32, u32)> {
+        let touching = |&(i, j): &(usize, usize)| {
+            let (a, b) = (&balls[i], &balls[j]);
+            touch(a.position, a.radius, b.position, b.radius)
+        };
+        let pairs = (0..balls.len()).flat_map(|i| (i + 1..balls.len()).map(move |j| (i, j)));
+        pairs.filter(touching).map(|(i, j)| (i as u32, j as u32)).collect()
+    }
+
+    fn found(balls: &[Ball], size: DVec2) -> Vec<(u32, u32)> {
+        let mut grid = Grid::new(balls, size);
+        grid.find(balls);
+        grid.sort();
+        grid.touching().to_vec()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
+
+        /// Positions far outside the world, radii over four decades, worlds from tiny to wide.
+        #[test]
+        fn the_grid_finds_what_all_pairs_find_in_the_same_order(
+            discs in prop::collection::vec((-1.5..2.5_f64, -1.5..2.5_f64, 0.0..1.0_f64), 0..120),
+            width in 1.0..2000.0_f64, height in 1.0..2000.0_f64, decades in 0.0..4.0_f64, offset in 0..14_i32,
+        ) {
+            let shift = if offset == 0 { 0.0 } else { 10_f64.powi(offset - 6) };
+            let balls: Vec<Ball> = discs
+                .iter()
+                .map(|&(x, y, size)| {
+                    let position = DVec2::new(x * width + shift, y * height - shift);
+                    Ball::new(position, 0.1 * 10_f64.powf(size * decades)).unwrap()
+                })
+                .collect();
+            prop_assert_eq!(found(&balls, DVec2::new(width, height)), all_pairs(&balls));
+        }
+    }
+
+    #[test]
+    fn balls_that_have_left_every_range_touch_what_all_pairs_say() {
+        let mut balls: Vec<Ball> =
+            (0..50).map(|i| Ball::new(DVec2::new(f64::from(i), 0.0), 0.6).unwrap()).collect();
+        for (ball, x) in
+            balls.iter_mut().zip([f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 1e300, -1e30])
+        {
+            ball.position.x = x;
+        }
+        balls[10].position.y = f64::NAN;
+        balls[11].radius = 5000.0;
+        balls[12].radius = 7000.0;
+        balls[12].position.x = f64::NAN;
+        assert_eq!(found(&balls, DVec2::splat(50.0)), all_pairs(&balls));
+    }
+}

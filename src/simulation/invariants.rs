@@ -1,0 +1,109 @@
+//! What should be conserved or never exceeded, measured: energy, momentum, overlap, escape.
+
+use glam::DVec2;
+
+use super::ball::Ball;
+use super::grid::Grid;
+use super::world::World;
+
+/// The kinetic energy of all balls, mass·px²/s².
+#[must_use]
+pub fn kinetic_energy(balls: &[Ball]) -> f64 {
+    balls.iter().map(|ball| 0.5 * ball.mass * ball.velocity.length_squared()).sum()
+}
+
+/// The potential energy of all balls under the world's gravity, mass·px²/s²: 0 for a ball that lies on the edge (or
+/// in the corner) that gravity pulls it to, positive above it. 0 without gravity.
+#[must_use]
+pub fn potential_energy(world: &World, balls: &[Ball]) -> f64 {
+    let Some(gravity) = world.gravity else { return 0.0 };
+    // Height along one axis above the edge that gravity points at.
+    let height = |pull: f64, at: f64, radius: f64, side: f64| {
+        if pull > 0.0 { side - radius - at } else { at - radius }
+    };
+    let work = |ball: &Ball| {
+        let across = height(gravity.x, ball.position.x, ball.radius, world.size.x);
+        let down = height(gravity.y, ball.position.y, ball.radius, world.size.y);
+        ball.mass * (gravity.x.abs() * across + gravity.y.abs() * down)
+    };
+    balls.iter().map(work).sum()
+}
+
+/// The total momentum, mass·px/s.
+#[must_use]
+pub fn momentum(balls: &[Ball]) -> DVec2 {
+    balls.iter().map(|ball| ball.mass * ball.velocity).sum()
+}
+
+/// The deepest overlap of two balls as a fraction of the smaller one's radius: 0 where none overlap, 2 and more where
+/// a ball lies wholly inside another.
+#[must_use]
+pub fn max_overlap(grid: &mut Grid, balls: &[Ball]) -> f64 {
+    grid.find(balls);
+    let depth = |&(i, j): &(u32, u32)| {
+        let (a, b) = (&balls[i as usize], &balls[j as usize]);
+        (a.radius + b.radius - a.position.distance(b.position)) / a.radius.min(b.radius)
+    };
+    grid.touching().iter().map(depth).fold(0.0, f64::max)
+}
+
+/// The deepest that a ball reaches over a wall, as a fraction of its radius; 0 without walls.
+#[must_use]
+pub fn max_wall_overlap(world: &World, balls: &[Ball]) -> f64 {
+    if world.walls.is_none() {
+        return 0.0;
+    }
+    let depth = |ball: &Ball| {
+        let before = DVec2::splat(ball.radius) - ball.position;
+        let behind = ball.position + ball.radius - world.size;
+        before.max(behind).max_element() / ball.radius
+    };
+    balls.iter().map(depth).fold(0.0, f64::max)
+}
+
+/// How many balls have a NaN or an infinity in their state. Anything but 0 is a defect of the solver.
+#[must_use]
+pub fn non_finite(balls: &[Ball]) -> usize {
+    balls.iter().filter(|ball| !(ball.position.is_finite() && ball.velocity.is_finite())).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ball(x: f64, y: f64, radius: f64) -> Ball {
+        Ball::new(DVec2::new(x, y), radius).unwrap()
+    }
+
+    #[test]
+    fn a_ball_on_the_floor_has_no_potential_energy_wherever_the_floor_is() {
+        let world = World::new(DVec2::new(100.0, 50.0)).unwrap();
+        for (pull, x, y) in [
+            (DVec2::new(0.0, 10.0), 40.0, 45.0),
+            (DVec2::new(0.0, -10.0), 40.0, 5.0),
+            (DVec2::new(10.0, 0.0), 95.0, 20.0),
+            (DVec2::new(-10.0, 5.0), 5.0, 45.0),
+        ] {
+            let world = world.with_gravity(pull).unwrap();
+            assert_eq!(potential_energy(&world, &[ball(x, y, 5.0)]), 0.0);
+            assert!(potential_energy(&world, &[ball(50.0, 25.0, 5.0)]) > 0.0);
+        }
+        assert_eq!(potential_energy(&world, &[ball(50.0, 25.0, 5.0)]), 0.0);
+    }
+
+    #[test]
+    fn overlap_is_a_fraction_of_the_smaller_radius() {
+        let balls = [ball(0.0, 0.0, 10.0), ball(13.0, 0.0, 4.0), ball(100.0, 0.0, 1.0)];
+        let mut grid = Grid::new(&balls, DVec2::splat(200.0));
+        assert_eq!(max_overlap(&mut grid, &balls), 0.25);
+        assert_eq!(max_overlap(&mut grid, &balls[2..]), 0.0);
+    }
+
+    #[test]
+    fn wall_overlap_counts_only_where_there_are_walls() {
+        let world = World::new(DVec2::splat(100.0)).unwrap();
+        let balls = [ball(8.0, 50.0, 10.0), ball(50.0, 97.0, 6.0)];
+        assert_eq!(max_wall_overlap(&world, &balls), 0.0);
+        assert_eq!(max_wall_overlap(&world.with_walls(1.0).unwrap(), &balls), 0.5);
+    }
+}

@@ -1,0 +1,396 @@
+//! The physics: balls in a world, moved on by a solver.
+//!
+//! It imports glam and `std` and nothing else: no clock, no random numbers, no files, no window. Whoever owns a
+//! [`Simulation`] measures the time and hands it to [`Simulation::advance`], the only door into time.
+
+mod ball;
+mod canvas;
+pub mod grid;
+mod impulse;
+pub mod invariants;
+pub mod limits;
+mod world;
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::DVec2;
+
+pub use ball::Ball;
+use canvas::Canvas;
+use limits::{DELTA, MAX_BALLS, OutOfRange};
+pub use world::{Pairs, World};
+
+/// Balls, the world that they move in, and the solver that moves them.
+///
+/// ```
+/// use carom::{Ball, DVec2, Simulation, Solver, World};
+///
+/// let world = World::new(DVec2::new(200.0, 100.0))?.with_walls(1.0)?;
+/// let ball = Ball::new(DVec2::new(180.0, 50.0), 10.0)?.with_velocity(DVec2::new(20.0, 0.0))?;
+/// let mut simulation = Simulation::new(world, vec![ball], Solver::Canvas)?;
+/// simulation.advance(1.0)?;
+/// assert_eq!(simulation.balls()[0].velocity(), DVec2::new(-20.0, 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Simulation {
+    world: World,
+    balls: Vec<Ball>,
+    touching: Vec<bool>,
+    solver: Solver,
+    engine: Box<dyn Advance>,
+    time: f64,
+    tally: Tally,
+}
+
+/// The ways of moving a simulation on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Solver {
+    /// The canvas demo's frame step, bit for bit; its result depends on the frame rate.
+    Canvas,
+}
+
+/// What has happened since the simulation began.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Impacts between two balls.
+    pub impacts: u64,
+    /// Impacts of a ball on a wall.
+    pub wall_hits: u64,
+}
+
+/// A part of a solver's work that a simulation may need or leave out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Balls move.
+    Motion,
+    /// Gravity accelerates them.
+    Gravity,
+    /// Walls turn them back.
+    Walls,
+    /// Touching pairs are found by comparing all of them.
+    AllPairs,
+    /// Touching pairs are found on a grid.
+    Grid,
+    /// Touching pairs exchange momentum.
+    Impulse,
+}
+
+/// Why balls and a world do not make a simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BuildError {
+    /// A ball is wider than the walls are apart.
+    BallWiderThanWorld {
+        /// The ball's place in the list, from 0.
+        index: usize,
+        /// Its radius, px.
+        radius: f64,
+        /// The world's size, px.
+        size: DVec2,
+    },
+    /// There are more balls than [`limits::MAX_BALLS`].
+    TooManyBalls {
+        /// How many there are.
+        count: usize,
+    },
+}
+
+/// What a solver is: something that moves a frame's balls on.
+///
+/// A solver is made for one world and one set of balls, and decides then which of its parts run; whoever changes
+/// either makes it anew. It keeps what it needs between frames, and leaves in `frame` what is to be shown.
+trait Advance: fmt::Debug + Send {
+    /// Moves on by `seconds`, which is finite and not negative.
+    fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64);
+    /// The parts that run.
+    fn parts(&self, world: &World) -> Vec<Part>;
+}
+
+/// What a solver works on: the simulation less the solver itself.
+struct Frame<'a> {
+    world: &'a World,
+    balls: &'a mut [Ball],
+    touching: &'a mut [bool],
+    tally: &'a mut Tally,
+}
+
+impl Simulation {
+    /// A simulation at time 0.
+    ///
+    /// # Errors
+    /// [`BuildError`] where a ball does not fit between the walls, or where there are too many balls.
+    pub fn new(world: World, balls: Vec<Ball>, solver: Solver) -> Result<Self, BuildError> {
+        check_fit(&world, &balls, 0)?;
+        let touching = vec![false; balls.len()];
+        let engine = solver.engine(&world, &balls);
+        Ok(Self { world, balls, touching, solver, engine, time: 0.0, tally: Tally::default() })
+    }
+
+    /// Moves on by `seconds`, from 0 to [`limits::DELTA`]'s upper end. What a delta of 0 does is up to the solver:
+    /// `canvas` looks for contacts, as the demo does in its first frame.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] for a delta that is negative, too large or not a number; nothing has moved then.
+    pub fn advance(&mut self, seconds: f64) -> Result<(), OutOfRange> {
+        DELTA.check(seconds)?;
+        let Self { world, balls, touching, tally, .. } = self;
+        self.engine.advance(&mut Frame { world, balls, touching, tally }, seconds);
+        self.time += seconds;
+        Ok(())
+    }
+
+    /// The balls as they are now.
+    #[must_use]
+    pub fn balls(&self) -> &[Ball] {
+        &self.balls
+    }
+
+    /// For each ball, whether it touched another in the last frame. All `false` where the world has no pairs.
+    #[must_use]
+    pub fn touching(&self) -> &[bool] {
+        &self.touching
+    }
+
+    /// The world as it is now.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The solver in use.
+    #[must_use]
+    pub fn solver(&self) -> Solver {
+        self.solver
+    }
+
+    /// The sum of all deltas so far, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// What has happened so far.
+    #[must_use]
+    pub fn tally(&self) -> Tally {
+        self.tally
+    }
+
+    /// The parts of the solver that run for this world and these balls.
+    #[must_use]
+    pub fn parts(&self) -> Vec<Part> {
+        self.engine.parts(&self.world)
+    }
+
+    /// Adds balls behind those that are there.
+    ///
+    /// # Errors
+    /// [`BuildError`] where one does not fit between the walls, or they are too many; none is added then.
+    pub fn add(&mut self, balls: &[Ball]) -> Result<(), BuildError> {
+        check_fit(&self.world, balls, self.balls.len())?;
+        self.balls.extend_from_slice(balls);
+        self.touching.resize(self.balls.len(), false);
+        self.rebuild();
+        Ok(())
+    }
+
+    /// Takes the last ball away.
+    pub fn remove_last(&mut self) -> Option<Ball> {
+        let ball = self.balls.pop();
+        self.touching.truncate(self.balls.len());
+        self.rebuild();
+        ball
+    }
+
+    /// Moves the walls, and brings balls that are then outside back in, keeping their velocities. The world never
+    /// becomes narrower than its widest ball, so that every size a window may take is allowed.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where a side is NaN, infinite or larger than a world may be; nothing has changed then.
+    pub fn resize(&mut self, size: DVec2) -> Result<(), OutOfRange> {
+        let mut size = size.max(DVec2::splat(limits::SIZE.low));
+        if self.world.walls.is_some() {
+            let widest = self.balls.iter().map(|ball| 2.0 * ball.radius).fold(0.0, f64::max);
+            size = size.max(DVec2::splat(widest));
+        }
+        self.world = self.world.with_size(size)?;
+        if self.world.walls.is_some() {
+            for ball in &mut self.balls {
+                let radius = DVec2::splat(ball.radius);
+                // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
+                ball.position = ball.position.min(size - radius).max(radius);
+            }
+        }
+        self.rebuild();
+        Ok(())
+    }
+
+    /// Sets gravity, px/s²; zero takes it away.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where a component is not in the range of gravity; nothing has changed then.
+    pub fn set_gravity(&mut self, gravity: DVec2) -> Result<(), OutOfRange> {
+        self.world = self.world.with_gravity(gravity)?;
+        self.rebuild();
+        Ok(())
+    }
+
+    /// Goes on with another solver from the state as it is.
+    pub fn set_solver(&mut self, solver: Solver) {
+        self.solver = solver;
+        self.rebuild();
+    }
+
+    fn rebuild(&mut self) {
+        self.engine = self.solver.engine(&self.world, &self.balls);
+    }
+}
+
+/// Whether `balls`, which come behind `before` others, fit into the world.
+fn check_fit(world: &World, balls: &[Ball], before: usize) -> Result<(), BuildError> {
+    let count = before + balls.len();
+    if count > MAX_BALLS {
+        return Err(BuildError::TooManyBalls { count });
+    }
+    if world.walls.is_some() {
+        let most = world.size.min_element() / 2.0;
+        if let Some(index) = balls.iter().position(|ball| ball.radius > most) {
+            let (radius, size) = (balls[index].radius, world.size);
+            return Err(BuildError::BallWiderThanWorld { index: before + index, radius, size });
+        }
+    }
+    Ok(())
+}
+
+impl Solver {
+    /// All solvers, in the order in which the window goes through them.
+    pub const ALL: &'static [Self] = &[Self::Canvas];
+
+    /// The name that scene files and the command line use.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Canvas => "canvas",
+        }
+    }
+
+    fn engine(self, world: &World, balls: &[Ball]) -> Box<dyn Advance> {
+        match self {
+            Self::Canvas => Box::new(Canvas::new(world, balls)),
+        }
+    }
+}
+
+impl fmt::Display for Solver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that no solver has.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UnknownSolver(String);
+
+impl FromStr for Solver {
+    type Err = UnknownSolver;
+
+    fn from_str(name: &str) -> Result<Self, UnknownSolver> {
+        let found = Self::ALL.iter().find(|solver| solver.name() == name);
+        found.copied().ok_or_else(|| UnknownSolver(name.to_owned()))
+    }
+}
+
+impl fmt::Display for UnknownSolver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<_> = Solver::ALL.iter().map(|solver| solver.name()).collect();
+        write!(f, "there is no solver \"{}\" in this version; choose from: {}", self.0, names.join(", "))
+    }
+}
+
+impl std::error::Error for UnknownSolver {}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Motion => "motion",
+            Self::Gravity => "gravity",
+            Self::Walls => "walls",
+            Self::AllPairs => "all pairs",
+            Self::Grid => "grid",
+            Self::Impulse => "impulse",
+        })
+    }
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BallWiderThanWorld { index, radius, size } => write!(
+                f,
+                "ball {index} (radius {radius} px) is wider than the world ({}x{} px); \
+                 make the world larger or the radius at most {}",
+                size.x,
+                size.y,
+                size.min_element() / 2.0
+            ),
+            Self::TooManyBalls { count } => {
+                write!(f, "{count} balls are too many; the most is {MAX_BALLS}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for BuildError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn boxed(width: f64, height: f64, radius: f64) -> Result<Simulation, BuildError> {
+        let world = World::new(DVec2::new(width, height)).unwrap().with_walls(1.0).unwrap();
+        let ball = Ball::new(DVec2::new(width, height) / 2.0, radius).unwrap();
+        Simulation::new(world, vec![ball], Solver::Canvas)
+    }
+
+    #[test]
+    fn a_ball_as_wide_as_the_world_fits_and_a_wider_one_does_not() {
+        assert!(boxed(100.0, 50.0, 25.0).is_ok());
+        assert!(matches!(boxed(100.0, 50.0, 25.1), Err(BuildError::BallWiderThanWorld { index: 0, .. })));
+        let mut simulation = boxed(100.0, 50.0, 10.0).unwrap();
+        let wide = Ball::new(DVec2::splat(20.0), 26.0).unwrap();
+        assert!(matches!(simulation.add(&[wide]), Err(BuildError::BallWiderThanWorld { index: 1, .. })));
+        assert_eq!(simulation.balls().len(), 1);
+    }
+
+    #[test]
+    fn shrinking_walls_bring_balls_inside_and_stop_at_the_widest() {
+        let mut simulation = boxed(1000.0, 600.0, 40.0).unwrap();
+        simulation.resize(DVec2::new(300.0, 200.0)).unwrap();
+        assert_eq!(simulation.balls()[0].position(), DVec2::new(260.0, 160.0));
+        for tiny in [DVec2::ZERO, DVec2::splat(-5.0), DVec2::new(1.0, 3.0)] {
+            simulation.resize(tiny).unwrap();
+            assert_eq!(simulation.world().size(), DVec2::splat(80.0));
+            assert_eq!(simulation.balls()[0].position(), DVec2::splat(40.0));
+        }
+        assert!(simulation.resize(DVec2::new(f64::INFINITY, 100.0)).is_err());
+        assert_eq!(simulation.world().size(), DVec2::splat(80.0));
+    }
+
+    #[test]
+    fn without_walls_a_resize_moves_no_ball() {
+        let world = World::new(DVec2::splat(500.0)).unwrap();
+        let ball = Ball::new(DVec2::splat(400.0), 30.0).unwrap();
+        let mut simulation = Simulation::new(world, vec![ball], Solver::Canvas).unwrap();
+        simulation.resize(DVec2::splat(10.0)).unwrap();
+        assert_eq!(simulation.balls()[0].position(), DVec2::splat(400.0));
+    }
+
+    #[test]
+    fn a_delta_that_is_no_time_is_refused_and_moves_nothing() {
+        let mut simulation = boxed(100.0, 50.0, 5.0).unwrap();
+        for delta in [-1e-9, f64::NAN, f64::INFINITY, 2e6] {
+            assert!(simulation.advance(delta).is_err());
+        }
+        assert_eq!((simulation.time(), simulation.balls()[0].position()), (0.0, DVec2::new(50.0, 25.0)));
+    }
+}
