@@ -1,2 +1,155 @@
-//! The program.
-fn main() {}
+//! The program: parse, run, print one error, set the exit code.
+
+mod cli;
+
+use std::io;
+use std::process::ExitCode;
+
+use carom::headless::{self, Frames, Run, RunError};
+use carom::{Scene, SceneError};
+use clap::Parser;
+use thiserror::Error;
+
+use crate::cli::{Cli, Command, RunArgs, SceneArgs, WindowArgs};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match cli.command {
+        None => open_window(&cli.window),
+        Some(Command::Run(args)) => run(args),
+        Some(Command::Scenes { json }) => list_scenes(json),
+        Some(Command::Scene { scene }) => print_scene(&scene),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) if failure.is_broken_pipe() => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("carom: {failure}");
+            failure.exit_code()
+        }
+    }
+}
+
+/// Why the program ends with an error.
+#[derive(Debug, Error)]
+enum Failure {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    OutOfRange(#[from] carom::OutOfRange),
+    #[error(transparent)]
+    Run(#[from] RunError),
+    #[error("standard output: {0}")]
+    Stdout(#[from] io::Error),
+    #[cfg(feature = "window")]
+    #[error(transparent)]
+    Window(#[from] carom::window::WindowError),
+    #[cfg(not(feature = "window"))]
+    #[error(
+        "this carom was built without its window; build it with the default features, or run without one:\n  \
+         carom run {0} --gif {0}.gif"
+    )]
+    NoWindow(String),
+}
+
+impl Failure {
+    /// 2 where the call or a file that it names is wrong, 1 where it failed while running.
+    fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Scene(_) | Self::OutOfRange(_) => ExitCode::from(2),
+            Self::Run(RunError::Scene(_) | RunError::Frames(_) | RunError::TwoOnStdout | RunError::Picture(_)) => {
+                ExitCode::from(2)
+            }
+            _ => ExitCode::from(1),
+        }
+    }
+
+    fn is_broken_pipe(&self) -> bool {
+        match self {
+            Self::Run(error) => error.is_broken_pipe(),
+            Self::Stdout(error) => error.kind() == io::ErrorKind::BrokenPipe,
+            _ => false,
+        }
+    }
+}
+
+/// The scene that the command line names, as it wants it.
+fn load(name: &str, start: &SceneArgs) -> Result<Scene, Failure> {
+    let mut scene = Scene::load(name)?;
+    if let Some(solver) = start.solver {
+        scene = scene.with_solver(solver);
+    }
+    if let Some(size) = start.size {
+        scene = scene.with_size(size)?;
+    }
+    if start.balls > 0 {
+        scene = scene.with_added(start.balls, start.seed);
+    }
+    Ok(scene)
+}
+
+#[cfg(feature = "window")]
+fn open_window(args: &WindowArgs) -> Result<(), Failure> {
+    let scene = load(&args.scene, &args.start)?;
+    let options = carom::window::Options {
+        fullscreen: args.fullscreen,
+        paused: args.paused,
+        time_scale: args.scale,
+        vsync: !args.no_vsync,
+        timings: args.timings,
+        seed: args.start.seed,
+    };
+    Ok(carom::window::open(&scene, &options)?)
+}
+
+#[cfg(not(feature = "window"))]
+fn open_window(args: &WindowArgs) -> Result<(), Failure> {
+    load(&args.scene, &args.start)?;
+    Err(Failure::NoWindow(args.scene.clone()))
+}
+
+fn run(args: RunArgs) -> Result<(), Failure> {
+    let scene = load(&args.scene, &args.start)?;
+    let frames = match &args.deltas {
+        Some(path) => Frames::read(path),
+        None => Frames::even(args.seconds, args.fps),
+    };
+    headless::run(&Run {
+        scene,
+        frames: frames.map_err(RunError::from)?,
+        trace: args.trace,
+        every: args.every,
+        image: args.image,
+        gif: args.gif,
+        summary: args.summary,
+    })?;
+    Ok(())
+}
+
+fn list_scenes(json: bool) -> Result<(), Failure> {
+    let list = carom::scene::Listing::all()?;
+    let text = if json { serde_json::to_string_pretty(&list).map_err(io::Error::from)? + "\n" } else { table(&list) };
+    Ok(write_stdout(&text)?)
+}
+
+/// The scenes as a table for people.
+fn table(list: &[carom::scene::Listing]) -> String {
+    let mut text = format!("{:<10} {:>5}  {:<8} {:<34} {:<34}\n", "scene", "balls", "solver", "uses", "leaves out");
+    for scene in list {
+        let (uses, leaves_out) = (scene.uses.join(", "), scene.leaves_out.join(", "));
+        let line = format!("{:<10} {:>5}  {:<8} {uses:<34} {leaves_out:<34}", scene.name, scene.balls, scene.solver);
+        text += &format!("{}\n{:<16}  {}\n", line.trim_end(), "", scene.about);
+    }
+    text
+}
+
+fn print_scene(name: &str) -> Result<(), Failure> {
+    Ok(write_stdout(Scene::load(name)?.source())?)
+}
+
+fn write_stdout(text: &str) -> io::Result<()> {
+    use io::Write;
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(text.as_bytes())?;
+    stdout.flush()
+}

@@ -7,11 +7,14 @@
 //! All comes from ChaCha8 seeded by the fill's seed, with only + − × ÷ √ behind it: the same seed gives the same balls
 //! on every machine.
 
+use std::f64::consts::PI;
+
 use glam::DVec2;
 use rand::rngs::ChaCha8Rng;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 
+use crate::simulation::limits::{MASS, OutOfRange};
 use crate::simulation::{Ball, World};
 
 /// A number of random balls.
@@ -41,6 +44,17 @@ pub(crate) enum Material {
     Density(f64),
 }
 
+impl Material {
+    /// The mass of a ball of this material. A density at the end of its range may make a mass beyond a ball's: the
+    /// nearest mass will do.
+    fn mass(self, radius: f64) -> f64 {
+        match self {
+            Self::Mass(mass) => mass,
+            Self::Density(density) => (density * PI * radius * radius).clamp(MASS.low, MASS.high),
+        }
+    }
+}
+
 /// How often a place is drawn, on average per ball, before the lattice is tried.
 const DRAWS_PER_BALL: usize = 200;
 /// Draws that are always allowed, so that few balls get a fair chance.
@@ -68,17 +82,10 @@ impl Fill {
         places.sort_unstable_by_key(|&(index, _)| index);
         let ball = |(index, position): (usize, DVec2)| {
             let radius = radii[index];
-            let mass = match self.material {
-                Material::Mass(mass) => mass,
-                Material::Density(density) => density * std::f64::consts::PI * radius * radius,
-            };
             let velocity = random_direction(&mut rng) * between(&mut rng, self.speed);
             let ball =
                 Ball::new(position, radius)?.with_velocity(velocity)?.with_restitution(self.restitution)?;
-            // A density at the end of its range may make a mass beyond its own: the nearest mass will do.
-            ball.with_mass(
-                mass.clamp(crate::simulation::limits::MASS.low, crate::simulation::limits::MASS.high),
-            )
+            ball.with_mass(self.material.mass(radius))
         };
         let balls: Result<Vec<Ball>, _> = places.into_iter().map(ball).collect();
         balls.expect("a fill's ranges are checked when it is made")
@@ -90,12 +97,9 @@ impl Fill {
 pub(crate) fn filling(count: usize, world: &World, balls: &[Ball], seed: u64) -> Fill {
     let area = world.size().x * world.size().y;
     // Radii from R/2 to R have a mean square of 7/12 R².
-    let widest = (ADDED_AREA * area / (count.max(1) as f64 * std::f64::consts::PI * 7.0 / 12.0)).sqrt();
+    let widest = (ADDED_AREA * area / (count.max(1) as f64 * PI * 7.0 / 12.0)).sqrt();
     let widest = widest.min(ADDED_RADIUS).min(world.size().min_element() / 2.0);
-    let (material, restitution) = balls.last().map_or((Material::Mass(1.0), 1.0), |ball| {
-        let area = std::f64::consts::PI * ball.radius() * ball.radius();
-        (Material::Density(ball.mass() / area), ball.restitution())
-    });
+    let (material, restitution) = material_of_the_last(balls);
     Fill {
         count,
         radius: (widest / 2.0, widest),
@@ -106,6 +110,19 @@ pub(crate) fn filling(count: usize, world: &World, balls: &[Ball], seed: u64) ->
         region: None,
         offset: None,
     }
+}
+
+/// `ball`, made of the material of the last of `balls`.
+pub(crate) fn like_the_last(balls: &[Ball], ball: Ball) -> Result<Ball, OutOfRange> {
+    let (material, restitution) = material_of_the_last(balls);
+    ball.with_restitution(restitution)?.with_mass(material.mass(ball.radius()))
+}
+
+/// Density and restitution of the last ball; where there is none, an elastic ball of mass 1.
+fn material_of_the_last(balls: &[Ball]) -> (Material, f64) {
+    balls.last().map_or((Material::Mass(1.0), 1.0), |ball| {
+        (Material::Density(ball.mass() / (PI * ball.radius() * ball.radius())), ball.restitution())
+    })
 }
 
 /// The share of the world that added balls cover at most.
@@ -358,7 +375,7 @@ mod tests {
     fn a_fill_too_dense_for_chance_stands_on_a_lattice() {
         // 0.75 of the area: random places jam near 0.547.
         let world = world(1000.0, 1000.0);
-        let count = (0.75 * 1e6 / (std::f64::consts::PI * 25.0)) as usize;
+        let count = (0.75 * 1e6 / (PI * 25.0)) as usize;
         let balls = fill(count, (5.0, 5.0)).place(&world, &[], 0);
         assert_eq!(balls.len(), count);
         assert_sound(&world, &balls);

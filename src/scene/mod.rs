@@ -7,6 +7,7 @@ mod catalogue;
 mod error;
 mod file;
 mod fill;
+mod listing;
 
 use std::fs::File;
 use std::io::Read;
@@ -17,7 +18,8 @@ use glam::DVec2;
 pub use catalogue::{STAGES, names};
 pub use error::{Fault, SceneError};
 pub use fill::Fill;
-pub(crate) use fill::filling;
+pub use listing::Listing;
+pub(crate) use fill::{filling, like_the_last};
 
 use crate::simulation::{Ball, Simulation, Solver, World};
 

@@ -1,0 +1,141 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use carom::{DVec2, Solver};
+use clap::{Args, Parser, Subcommand};
+
+const EXAMPLES: &str = "\
+Examples:
+  carom                                 open the demo's last stage
+  carom elastic --balls 50 --seed 7     another scene, with fifty random balls more
+  carom mine.toml --size 800x600        a scene file of your own
+  carom run gravity --gif fall.gif      the same without a window
+
+In the window, H lists the keys.";
+
+const RUN_EXAMPLES: &str = "\
+Examples:
+  carom run gravity --seconds 5 --gif gravity.gif
+  carom run elastic --seconds 60 --fps 240 --summary -
+  carom run gravity --deltas frames.txt --trace states.csv --every 10
+  carom run walls --size 800x600 --seconds 0 --image first.png";
+
+/// Bouncing balls in a window: the canvas physics demo, native.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    #[command(flatten)]
+    pub window: WindowArgs,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene without a window
+    #[command(after_help = RUN_EXAMPLES)]
+    Run(RunArgs),
+    /// List the built-in scenes: what each shows, uses and leaves out
+    #[command(after_help = "Examples:\n  carom scenes\n  carom scenes --json")]
+    Scenes {
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print a scene as a scene file, a start for one's own
+    #[command(after_help = "Examples:\n  carom scene gravity > mine.toml\n  carom mine.toml")]
+    Scene {
+        /// A built-in scene's name or a .toml file
+        scene: String,
+    },
+}
+
+/// What starts a scene, with a window and without.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// How balls are moved on: canvas [default: the scene's own]
+    #[arg(long)]
+    pub solver: Option<Solver>,
+    /// Add N random balls
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub balls: usize,
+    /// The random balls' seed: the same seed, the same balls [default: 1]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// The world's size in px, such as 1280x720 [default: the scene's own]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<DVec2>,
+}
+
+#[derive(Debug, Args)]
+pub struct WindowArgs {
+    /// A built-in scene's name or a .toml file
+    #[arg(default_value = carom::scene::DEFAULT_SCENE)]
+    pub scene: String,
+    #[command(flatten)]
+    pub start: SceneArgs,
+    /// Fill the screen
+    #[arg(long)]
+    pub fullscreen: bool,
+    /// Start paused; Space goes on
+    #[arg(long)]
+    pub paused: bool,
+    /// Time scale: 0.5 is half speed
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = scale)]
+    pub scale: f64,
+    /// Present frames at once instead of with the screen's refresh
+    #[arg(long)]
+    pub no_vsync: bool,
+    /// Print, when the window closes, where the frames' time went
+    #[arg(long)]
+    pub timings: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// A built-in scene's name or a .toml file
+    pub scene: String,
+    #[command(flatten)]
+    pub start: SceneArgs,
+    /// Simulated time in seconds; the first frame has 0, so 0 seconds is one frame [default: 10]
+    #[arg(long, value_name = "T", default_value_t = 10.0, hide_default_value = true)]
+    pub seconds: f64,
+    /// Frames per second of simulated time
+    #[arg(long, value_name = "F", default_value_t = 60.0)]
+    pub fps: f64,
+    /// Take the frames' deltas from a file: seconds, one a line
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["seconds", "fps"])]
+    pub deltas: Option<PathBuf>,
+    /// Write every ball's state after each frame as CSV
+    #[arg(long, value_name = "FILE.csv")]
+    pub trace: Option<PathBuf>,
+    /// Trace frame 1 and every K-th
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    pub every: u64,
+    /// Write the last frame as a picture
+    #[arg(long, value_name = "FILE.png")]
+    pub image: Option<PathBuf>,
+    /// Write the run as an animated GIF
+    #[arg(long, value_name = "FILE.gif")]
+    pub gif: Option<PathBuf>,
+    /// Write the figures of the run as JSON, instead of a readable summary on standard output
+    #[arg(long, value_name = "FILE.json")]
+    pub summary: Option<PathBuf>,
+}
+
+fn size(text: &str) -> Result<DVec2, String> {
+    let parse = || {
+        let (width, height) = text.split_once(['x', 'X'])?;
+        Some((width.parse::<u32>().ok()?, height.parse::<u32>().ok()?))
+    };
+    let (width, height) = parse().ok_or("write width and height in whole px, such as 1280x720")?;
+    let size = DVec2::new(width.into(), height.into());
+    carom::simulation::limits::SIZE.check_vector(size).map_err(|error| error.to_string())
+}
+
+fn scale(text: &str) -> Result<f64, String> {
+    let (low, high) = carom::session::TIME_SCALES;
+    let parsed = text.parse().ok().filter(|scale| (low..=high).contains(scale));
+    parsed.ok_or_else(|| format!("write a factor from {low} to {high}, such as 0.5"))
+}

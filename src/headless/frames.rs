@@ -1,0 +1,158 @@
+//! The deltas of a run: even ones at a frame rate, or those of a file.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::simulation::limits::{DELTA, OutOfRange};
+
+/// The frames of a run, one delta in seconds each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frames(Kind);
+
+#[derive(Debug, Clone, PartialEq)]
+enum Kind {
+    /// A first frame of 0 s, `whole` frames of `delta`, and the rest of the time where it is not 0.
+    Even { whole: u64, delta: f64, rest: f64 },
+    Listed(Vec<f64>),
+}
+
+/// Why there are no frames to run.
+#[derive(Debug, Error)]
+pub enum FramesError {
+    /// The time or the frame rate is out of range.
+    #[error("{0}")]
+    Range(String),
+    /// The file of deltas cannot be read.
+    #[error("{}: {source}; give a file with one delta in seconds a line", path.display())]
+    Unreadable {
+        /// The file's path.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A line of the file is not a delta.
+    #[error("{}:{line}: {message}; write one delta in seconds a line, such as 0.0166", path.display())]
+    Line {
+        /// The file's path.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// The file of deltas has none.
+    #[error("{} has no deltas; write one delta in seconds a line", path.display())]
+    Empty {
+        /// The file's path.
+        path: PathBuf,
+    },
+}
+
+/// The lowest and the highest frame rate, frames per second.
+const RATES: (f64, f64) = (1e-6, 1e9);
+/// The longest run, s: 31 years.
+const LONGEST: f64 = 1e9;
+/// The most frames of a run.
+const MOST_FRAMES: f64 = 1e15;
+/// Time that is a whole number of frames but for this part of one is a whole number of frames.
+const ROUNDING: f64 = 1e-6;
+
+impl Frames {
+    /// `seconds` in frames of 1/`rate` s, after a first frame of 0 s as in the demo. Where the time is not a whole
+    /// number of frames, the last one is shorter.
+    ///
+    /// # Errors
+    /// [`FramesError::Range`] where one of the two makes no sense.
+    pub fn even(seconds: f64, rate: f64) -> Result<Self, FramesError> {
+        if !(0.0..=LONGEST).contains(&seconds) {
+            return Err(FramesError::Range(format!("--seconds is {seconds}; give 0 to {LONGEST:e}")));
+        }
+        if !(RATES.0..=RATES.1).contains(&rate) {
+            return Err(FramesError::Range(format!("--fps is {rate}; give {:e} to {:e}", RATES.0, RATES.1)));
+        }
+        let frames = seconds * rate;
+        if frames > MOST_FRAMES {
+            return Err(FramesError::Range(format!(
+                "--seconds {seconds} at --fps {rate} are {frames:e} frames; ask for at most {MOST_FRAMES:e}"
+            )));
+        }
+        let delta = 1.0 / rate;
+        let nearest = frames.round();
+        let (whole, rest) = if (frames - nearest).abs() <= ROUNDING {
+            (nearest, 0.0)
+        } else {
+            (frames.floor(), (frames - frames.floor()) / rate)
+        };
+        Ok(Self(Kind::Even { whole: whole as u64, delta, rest }))
+    }
+
+    /// The deltas of a file: one a line, blank lines and those that begin with # left out.
+    ///
+    /// # Errors
+    /// [`FramesError`] where it cannot be read, or a line is not a delta.
+    pub fn read(path: &Path) -> Result<Self, FramesError> {
+        let text = fs::read_to_string(path)
+            .map_err(|source| FramesError::Unreadable { path: path.to_owned(), source })?;
+        let mut deltas = Vec::new();
+        for (line, entry) in (1..).zip(text.lines().map(str::trim)) {
+            if entry.is_empty() || entry.starts_with('#') {
+                continue;
+            }
+            let wrong = |message| FramesError::Line { path: path.to_owned(), line, message };
+            let delta: f64 = entry.parse().map_err(|_| wrong(format!("\"{entry}\" is not a number")))?;
+            deltas.push(DELTA.check(delta).map_err(|error: OutOfRange| wrong(error.to_string()))?);
+        }
+        if deltas.is_empty() {
+            return Err(FramesError::Empty { path: path.to_owned() });
+        }
+        Ok(Self(Kind::Listed(deltas)))
+    }
+
+    /// How many frames there are.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        match &self.0 {
+            Kind::Even { whole, rest, .. } => 1 + whole + u64::from(*rest > 0.0),
+            Kind::Listed(deltas) => deltas.len() as u64,
+        }
+    }
+
+    /// The delta of a frame, from 0, in seconds.
+    #[must_use]
+    pub fn delta(&self, frame: u64) -> f64 {
+        match &self.0 {
+            Kind::Even { .. } if frame == 0 => 0.0,
+            Kind::Even { whole, delta, rest } => if frame <= *whole { *delta } else { *rest },
+            Kind::Listed(deltas) => deltas[frame as usize],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(frames: &Frames) -> Vec<f64> {
+        (0..frames.count()).map(|frame| frames.delta(frame)).collect()
+    }
+
+    #[test]
+    fn even_frames_begin_with_nothing_and_add_up_to_the_time() {
+        assert_eq!(all(&Frames::even(0.0, 60.0).unwrap()), [0.0]);
+        assert_eq!(all(&Frames::even(0.1, 60.0).unwrap()), [[0.0].as_slice(), &[1.0 / 60.0; 6]].concat());
+        assert_eq!(all(&Frames::even(1.0, 0.5).unwrap()), [0.0, 1.0]);
+        let uneven = all(&Frames::even(0.25, 10.0).unwrap());
+        assert_eq!(uneven.len(), 4);
+        assert!((uneven.iter().sum::<f64>() - 0.25).abs() < 1e-15);
+    }
+
+    #[test]
+    fn times_and_rates_that_make_no_sense_are_refused() {
+        for (seconds, rate) in [(-1.0, 60.0), (f64::NAN, 60.0), (1.0, 0.0), (1.0, f64::INFINITY), (1e9, 1e9)] {
+            assert!(Frames::even(seconds, rate).is_err(), "{seconds} {rate}");
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! `carom run`: the same simulation without a window.
+
+mod frames;
+mod output;
+mod summary;
+
+use std::io::{self, IsTerminal, Write};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use thiserror::Error;
+use tiny_skia::Pixmap;
+
+pub use frames::{Frames, FramesError};
+pub use output::{Output, OutputError};
+pub use summary::Summary;
+use summary::{Watched, energy};
+
+use crate::paint::{self, Animation, AnimationError, PictureTooLarge};
+use crate::scene::{Scene, SceneError};
+use crate::simulation::Simulation;
+use crate::simulation::grid::Grid;
+use crate::simulation::invariants::{max_overlap, max_wall_overlap};
+
+/// What to run and what to write of it.
+#[derive(Debug)]
+pub struct Run {
+    /// The scene to start from.
+    pub scene: Scene,
+    /// The frames to advance by.
+    pub frames: Frames,
+    /// A CSV of every ball's state at each traced frame.
+    pub trace: Option<PathBuf>,
+    /// Frame 1 and every `every`-th are traced; at least 1.
+    pub every: u64,
+    /// A PNG of the last frame.
+    pub image: Option<PathBuf>,
+    /// The run as an animated GIF.
+    pub gif: Option<PathBuf>,
+    /// The summary as JSON. Without it, a readable one goes to standard output, or to standard error where another
+    /// output is there.
+    pub summary: Option<PathBuf>,
+}
+
+/// Why a run failed.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// The scene is wrong.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The frames are wrong.
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    /// A delta was refused.
+    #[error(transparent)]
+    Delta(#[from] crate::OutOfRange),
+    /// An output cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The picture is too large.
+    #[error(transparent)]
+    Picture(#[from] PictureTooLarge),
+    /// The animation cannot be made.
+    #[error("{}: {source}", path.display())]
+    Animation {
+        /// Where it should have gone.
+        path: PathBuf,
+        /// What is wrong.
+        source: AnimationError,
+    },
+    /// More than one output goes to standard output.
+    #[error("two outputs go to standard output; give one of them a file's path instead of -")]
+    TwoOnStdout,
+}
+
+impl RunError {
+    /// Whether the reader of standard output went away, as `head` does: a reason to stop, not to complain.
+    #[must_use]
+    pub fn is_broken_pipe(&self) -> bool {
+        let kind = match self {
+            Self::Output(error) => error.source.kind(),
+            Self::Animation { source: AnimationError::Encoding(gif::EncodingError::Io(error)), .. } => error.kind(),
+            _ => return false,
+        };
+        kind == io::ErrorKind::BrokenPipe
+    }
+}
+
+/// How long a run takes before it shows its progress.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Runs a scene and writes what is asked for.
+///
+/// # Errors
+/// [`RunError`]; outputs that could not be completed are not there then.
+pub fn run(run: &Run) -> Result<Summary, RunError> {
+    let mut simulation = run.scene.build()?;
+    let mut outputs = Outputs::create(run, &simulation)?;
+    let mut grid = Grid::new(simulation.balls(), simulation.world().size());
+    let mut watched = Watched { energy_start: energy(&simulation), ..Watched::default() };
+    let clock_cost = clock_cost();
+    let mut progress = Progress::new(run.frames.count());
+
+    for frame in 0..run.frames.count() {
+        let delta = run.frames.delta(frame);
+        let start = Instant::now();
+        simulation.advance(delta)?;
+        watched.wall_seconds += start.elapsed().saturating_sub(clock_cost).as_secs_f64();
+        watched.frames += 1;
+        watched.max_overlap = watched.max_overlap.max(max_overlap(&mut grid, simulation.balls()));
+        let at_walls = max_wall_overlap(simulation.world(), simulation.balls());
+        watched.max_wall_overlap = watched.max_wall_overlap.max(at_walls);
+        outputs.add(run, frame + 1, &simulation)?;
+        progress.show(frame + 1);
+    }
+    drop(progress);
+
+    let summary = Summary::new(run.scene.name(), &simulation, &watched);
+    outputs.finish(&simulation, &summary)?;
+    Ok(summary)
+}
+
+/// The outputs of a run, opened before it so that a wrong path is known at once.
+struct Outputs {
+    trace: Option<Output>,
+    image: Option<Output>,
+    gif: Option<(Animation<Output>, PathBuf)>,
+    summary: Option<Output>,
+    /// What frames are painted on, where any are.
+    canvas: Option<Pixmap>,
+    stdout_taken: bool,
+}
+
+impl Outputs {
+    fn create(run: &Run, simulation: &Simulation) -> Result<Self, RunError> {
+        let create = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
+        let (trace, image) = (create(&run.trace)?, create(&run.image)?);
+        let (gif, summary) = (create(&run.gif)?, create(&run.summary)?);
+        let on_stdout = [&trace, &image, &gif, &summary].into_iter().flatten().filter(|out| out.is_stdout());
+        let on_stdout = on_stdout.count();
+        if on_stdout > 1 {
+            return Err(RunError::TwoOnStdout);
+        }
+        let canvas = (image.is_some() || gif.is_some()).then(|| paint::blank(simulation.world().size()));
+        let canvas = canvas.transpose()?;
+        let gif = match (gif, &canvas, &run.gif) {
+            (Some(output), Some(canvas), Some(path)) => {
+                let animation = Animation::new(output, canvas.width(), canvas.height())
+                    .map_err(|source| RunError::Animation { path: path.clone(), source })?;
+                Some((animation, path.clone()))
+            }
+            _ => None,
+        };
+        let mut outputs = Self { trace, image, gif, summary, canvas, stdout_taken: on_stdout > 0 };
+        outputs.write_trace(|trace| writeln!(trace, "frame,time,ball,x,y,vx,vy,colliding"))?;
+        Ok(outputs)
+    }
+
+    /// Writes what a frame, from 1, adds.
+    fn add(&mut self, run: &Run, frame: u64, simulation: &Simulation) -> Result<(), RunError> {
+        if frame == 1 || frame % run.every.max(1) == 0 {
+            let time = simulation.time();
+            self.write_trace(|trace| {
+                let states = simulation.balls().iter().zip(simulation.touching()).enumerate();
+                for (index, (ball, &touching)) in states {
+                    let (p, v, colliding) = (ball.position(), ball.velocity(), u8::from(touching));
+                    writeln!(trace, "{frame},{time},{index},{},{},{},{},{colliding}", p.x, p.y, v.x, v.y)?;
+                }
+                Ok(())
+            })?;
+        }
+        if let (Some((animation, path)), Some(canvas)) = (&mut self.gif, &mut self.canvas) {
+            paint::paint(simulation, 1.0, &mut canvas.as_mut());
+            let added = animation.add(simulation.time(), canvas);
+            added.map_err(|source| RunError::Animation { path: path.clone(), source })?;
+        }
+        Ok(())
+    }
+
+    fn write_trace(&mut self, write: impl FnOnce(&mut Output) -> io::Result<()>) -> Result<(), OutputError> {
+        match &mut self.trace {
+            Some(trace) => write(trace).map_err(|error| trace.error(error)),
+            None => Ok(()),
+        }
+    }
+
+    fn finish(self, simulation: &Simulation, summary: &Summary) -> Result<(), RunError> {
+        if let Some(trace) = self.trace {
+            trace.finish()?;
+        }
+        if let Some((animation, path)) = self.gif {
+            let finished = animation.finish(simulation.time());
+            finished.map_err(|source| RunError::Animation { path, source })?.finish()?;
+        }
+        if let (Some(mut image), Some(mut canvas)) = (self.image, self.canvas) {
+            paint::paint(simulation, 1.0, &mut canvas.as_mut());
+            let png = canvas.encode_png().map_err(|error| image.error(io::Error::other(error)))?;
+            image.write_all(&png).map_err(|error| image.error(error))?;
+            image.finish()?;
+        }
+        let (mut output, text) = match self.summary {
+            Some(output) => {
+                let json = serde_json::to_string_pretty(summary).map_err(io::Error::from);
+                let json = json.map_err(|error| output.error(error))?;
+                (output, json)
+            }
+            None if self.stdout_taken => {
+                eprintln!("{summary}");
+                return Ok(());
+            }
+            None => (Output::create("-".as_ref())?, summary.to_string()),
+        };
+        writeln!(output, "{text}").map_err(|error| output.error(error))?;
+        output.finish()?;
+        Ok(())
+    }
+}
+
+/// What reading the clock adds to a span that it measures: with few balls, as much as a tenth of a frame.
+fn clock_cost() -> Duration {
+    let span = |_| {
+        let start = Instant::now();
+        start.elapsed()
+    };
+    (0..1000).map(span).min().unwrap_or_default()
+}
+
+/// A progress bar that shows itself only in long runs, and only on a terminal.
+struct Progress {
+    start: Instant,
+    frames: u64,
+    bar: Option<ProgressBar>,
+}
+
+impl Progress {
+    fn new(frames: u64) -> Self {
+        Self { start: Instant::now(), frames, bar: None }
+    }
+
+    fn show(&mut self, frame: u64) {
+        // Looking at the clock once in 64 frames is often enough, but frames may be long where balls are many.
+        if let Some(bar) = &self.bar {
+            bar.set_position(frame);
+        } else if self.start.elapsed() > PATIENCE && io::stderr().is_terminal() {
+            let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} frames, {eta} left");
+            let bar = ProgressBar::new(self.frames);
+            self.bar = Some(bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
