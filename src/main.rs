@@ -57,9 +57,9 @@ impl Failure {
     fn exit_code(&self) -> ExitCode {
         match self {
             Self::Scene(_) | Self::OutOfRange(_) => ExitCode::from(2),
-            Self::Run(RunError::Scene(_) | RunError::Frames(_) | RunError::TwoOnStdout | RunError::Picture(_)) => {
-                ExitCode::from(2)
-            }
+            Self::Run(
+                RunError::Scene(_) | RunError::Frames(_) | RunError::TwoOnStdout | RunError::Picture(_),
+            ) => ExitCode::from(2),
             _ => ExitCode::from(1),
         }
     }
@@ -128,16 +128,22 @@ fn run(args: RunArgs) -> Result<(), Failure> {
 
 fn list_scenes(json: bool) -> Result<(), Failure> {
     let list = carom::scene::Listing::all()?;
-    let text = if json { serde_json::to_string_pretty(&list).map_err(io::Error::from)? + "\n" } else { table(&list) };
+    let text = if json {
+        serde_json::to_string_pretty(&list).map_err(io::Error::from)? + "\n"
+    } else {
+        table(&list)
+    };
     Ok(write_stdout(&text)?)
 }
 
 /// The scenes as a table for people.
 fn table(list: &[carom::scene::Listing]) -> String {
-    let mut text = format!("{:<10} {:>5}  {:<8} {:<34} {:<34}\n", "scene", "balls", "solver", "uses", "leaves out");
+    let mut text =
+        format!("{:<10} {:>5}  {:<8} {:<34} {:<34}\n", "scene", "balls", "solver", "uses", "leaves out");
     for scene in list {
         let (uses, leaves_out) = (scene.uses.join(", "), scene.leaves_out.join(", "));
-        let line = format!("{:<10} {:>5}  {:<8} {uses:<34} {leaves_out:<34}", scene.name, scene.balls, scene.solver);
+        let line =
+            format!("{:<10} {:>5}  {:<8} {uses:<34} {leaves_out:<34}", scene.name, scene.balls, scene.solver);
         text += &format!("{}\n{:<16}  {}\n", line.trim_end(), "", scene.about);
     }
     text

@@ -279,7 +279,8 @@ impl Session {
                 session
             }
         };
-        *self = Self { paused: self.paused, time_scale: self.time_scale, additions: self.additions, ..session };
+        *self =
+            Self { paused: self.paused, time_scale: self.time_scale, additions: self.additions, ..session };
         Ok(())
     }
 }

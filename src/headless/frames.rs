@@ -15,7 +15,11 @@ pub struct Frames(Kind);
 #[derive(Debug, Clone, PartialEq)]
 enum Kind {
     /// A first frame of 0 s, `whole` frames of `delta`, and the rest of the time where it is not 0.
-    Even { whole: u64, delta: f64, rest: f64 },
+    Even {
+        whole: u64,
+        delta: f64,
+        rest: f64,
+    },
     Listed(Vec<f64>),
 }
 
@@ -125,7 +129,13 @@ impl Frames {
     pub fn delta(&self, frame: u64) -> f64 {
         match &self.0 {
             Kind::Even { .. } if frame == 0 => 0.0,
-            Kind::Even { whole, delta, rest } => if frame <= *whole { *delta } else { *rest },
+            Kind::Even { whole, delta, rest } => {
+                if frame <= *whole {
+                    *delta
+                } else {
+                    *rest
+                }
+            }
             Kind::Listed(deltas) => deltas[frame as usize],
         }
     }
@@ -151,7 +161,8 @@ mod tests {
 
     #[test]
     fn times_and_rates_that_make_no_sense_are_refused() {
-        for (seconds, rate) in [(-1.0, 60.0), (f64::NAN, 60.0), (1.0, 0.0), (1.0, f64::INFINITY), (1e9, 1e9)] {
+        for (seconds, rate) in [(-1.0, 60.0), (f64::NAN, 60.0), (1.0, 0.0), (1.0, f64::INFINITY), (1e9, 1e9)]
+        {
             assert!(Frames::even(seconds, rate).is_err(), "{seconds} {rate}");
         }
     }

@@ -80,7 +80,9 @@ impl RunError {
     pub fn is_broken_pipe(&self) -> bool {
         let kind = match self {
             Self::Output(error) => error.source.kind(),
-            Self::Animation { source: AnimationError::Encoding(gif::EncodingError::Io(error)), .. } => error.kind(),
+            Self::Animation { source: AnimationError::Encoding(gif::EncodingError::Io(error)), .. } => {
+                error.kind()
+            }
             _ => return false,
         };
         kind == io::ErrorKind::BrokenPipe

@@ -90,7 +90,11 @@ impl fmt::Display for Summary {
         let energy = self.kinetic_energy + self.potential_energy;
         writeln!(f, "scene        {} with {} balls, solver {}", self.scene, self.balls, self.solver)?;
         writeln!(f, "simulated    {:.6} s in {} frames", self.seconds, self.frames)?;
-        writeln!(f, "run time     {:.6} s, {:.1} ns per ball and frame", self.wall_seconds, self.ns_per_ball_frame)?;
+        writeln!(
+            f,
+            "run time     {:.6} s, {:.1} ns per ball and frame",
+            self.wall_seconds, self.ns_per_ball_frame
+        )?;
         writeln!(f, "impacts      {} between balls, {} on walls", self.collisions, self.wall_hits)?;
         write!(f, "energy       {energy:.6e}, at the start {:.6e}", self.energy_start)?;
         if self.energy_start > 0.0 {
@@ -98,7 +102,11 @@ impl fmt::Display for Summary {
         }
         writeln!(f)?;
         writeln!(f, "momentum     [{:.6e}, {:.6e}]", self.momentum[0], self.momentum[1])?;
-        writeln!(f, "overlap      {:.4} of a radius between balls, {:.4} with walls", self.max_overlap, self.max_wall_overlap)?;
+        writeln!(
+            f,
+            "overlap      {:.4} of a radius between balls, {:.4} with walls",
+            self.max_overlap, self.max_wall_overlap
+        )?;
         write!(f, "not finite   {} balls", self.non_finite)
     }
 }

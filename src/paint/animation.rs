@@ -53,7 +53,8 @@ impl<W: Write> Animation<W> {
     /// # Errors
     /// [`AnimationError`] where it is too large or cannot be written.
     pub fn new(writer: W, width: u32, height: u32) -> Result<Self, AnimationError> {
-        let side = |length: u32| u16::try_from(length).map_err(|_| AnimationError::TooLarge { width, height });
+        let side =
+            |length: u32| u16::try_from(length).map_err(|_| AnimationError::TooLarge { width, height });
         let palette = Palette::new();
         let mut encoder = Encoder::new(writer, side(width)?, side(height)?, &palette.bytes())?;
         encoder.set_repeat(Repeat::Infinite)?;
@@ -101,7 +102,12 @@ impl<W: Write> Animation<W> {
         let rows = || indices.chunks_exact(width).zip(self.shown.chunks_exact(width));
         if self.shown.is_empty() {
             let height = (indices.len() / width) as u16;
-            return Some(Frame { width: self.width, height, buffer: indices.to_vec().into(), ..Frame::default() });
+            return Some(Frame {
+                width: self.width,
+                height,
+                buffer: indices.to_vec().into(),
+                ..Frame::default()
+            });
         }
         let changed = |(new, old): (&[u8], &[u8])| new != old;
         let top = rows().position(changed)?;

@@ -14,7 +14,8 @@ pub const CONTACT: Colour = Colour(0xff, 0x66, 0xff);
 impl Colour {
     /// This colour, `part` of the way (0 to 1) to another.
     pub(super) fn towards(self, other: Self, part: f64) -> Self {
-        let blend = |from: u8, to: u8| (f64::from(from) + part * (f64::from(to) - f64::from(from))).round() as u8;
+        let blend =
+            |from: u8, to: u8| (f64::from(from) + part * (f64::from(to) - f64::from(from))).round() as u8;
         Self(blend(self.0, other.0), blend(self.1, other.1), blend(self.2, other.2))
     }
 }

@@ -21,7 +21,9 @@ const MOST_PIXELS: f64 = (1_u64 << 27) as f64;
 
 /// A picture that is too large to paint.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[error("a picture of {width}x{height} px takes too much memory; give a smaller --size, at most {MOST_PIXELS} px in all")]
+#[error(
+    "a picture of {width}x{height} px takes too much memory; give a smaller --size, at most {MOST_PIXELS} px in all"
+)]
 pub struct PictureTooLarge {
     /// Its width, px.
     width: f64,
@@ -70,7 +72,9 @@ pub(crate) fn disc(pixmap: &mut PixmapMut<'_>, centre: DVec2, radius: f64, colou
     if !inside.all() {
         return;
     }
-    let Some(path) = PathBuilder::from_circle(centre.x as f32, centre.y as f32, radius as f32) else { return };
+    let Some(path) = PathBuilder::from_circle(centre.x as f32, centre.y as f32, radius as f32) else {
+        return;
+    };
     pixmap.fill_path(&path, &colour.paint(), FillRule::Winding, Transform::identity(), None);
 }
 

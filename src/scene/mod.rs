@@ -18,8 +18,8 @@ use glam::DVec2;
 pub use catalogue::{STAGES, names};
 pub use error::{Fault, SceneError};
 pub use fill::Fill;
-pub use listing::Listing;
 pub(crate) use fill::{filling, like_the_last};
+pub use listing::Listing;
 
 use crate::simulation::{Ball, Simulation, Solver, World};
 
@@ -102,6 +102,12 @@ impl Scene {
     #[must_use]
     pub fn name(&self) -> &str {
         Path::new(&self.origin).file_stem().and_then(|stem| stem.to_str()).unwrap_or(&self.origin)
+    }
+
+    /// What [`load`](Self::load) finds this scene by: a built-in scene's name, or the file's path.
+    #[must_use]
+    pub fn argument(&self) -> &str {
+        &self.origin
     }
 
     /// One line on what the scene shows; may be empty.

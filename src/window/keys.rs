@@ -1,0 +1,131 @@
+//! The keys: what each does, for the window to do and for the help sheet to list.
+
+use winit::keyboard::{Key, ModifiersState, NamedKey};
+
+use crate::scene::STAGES;
+use crate::session::Command;
+use crate::simulation::Solver;
+
+/// What a key asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Action {
+    /// Something for the simulation.
+    Do(Command),
+    ToggleHelp,
+    ToggleFullscreen,
+    SavePicture,
+    Quit,
+}
+
+/// The action of a key, if it has one. `repeat` is true while a key is held: only what can sensibly be done many times
+/// over is.
+pub(super) fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Option<Action> {
+    if modifiers.control_key() || modifiers.alt_key() || modifiers.super_key() {
+        return None;
+    }
+    let shift = modifiers.shift_key();
+    let action = match key {
+        Key::Named(named) => named_key(*named, shift)?,
+        Key::Character(text) => character(text)?,
+        _ => return None,
+    };
+    let repeats = matches!(
+        action,
+        Action::Do(
+            Command::Step | Command::AddRandom(1) | Command::RemoveLast | Command::Slower | Command::Faster
+        )
+    );
+    (repeats || !repeat).then_some(action)
+}
+
+fn named_key(key: NamedKey, shift: bool) -> Option<Action> {
+    Some(match key {
+        NamedKey::Space => Action::Do(Command::TogglePause),
+        NamedKey::ArrowRight => Action::Do(Command::Step),
+        NamedKey::Backspace => Action::Do(Command::RemoveLast),
+        NamedKey::Tab if shift => Action::Do(Command::PreviousScene),
+        NamedKey::Tab => Action::Do(Command::NextScene),
+        NamedKey::F1 => Action::ToggleHelp,
+        NamedKey::F11 => Action::ToggleFullscreen,
+        NamedKey::F12 => Action::SavePicture,
+        NamedKey::Escape => Action::Quit,
+        _ => return None,
+    })
+}
+
+fn character(text: &str) -> Option<Action> {
+    Some(match text {
+        "." => Action::Do(Command::Step),
+        "r" | "R" => Action::Do(Command::Reset),
+        // Capitals come with Shift, and with Caps Lock; the latter's user sees a hundred balls and learns.
+        "a" => Action::Do(Command::AddRandom(1)),
+        "A" => Action::Do(Command::AddRandom(100)),
+        "s" | "S" if Solver::ALL.len() > 1 => Action::Do(Command::NextSolver),
+        "g" | "G" => Action::Do(Command::ToggleGravity),
+        "[" => Action::Do(Command::Slower),
+        "]" => Action::Do(Command::Faster),
+        "h" | "H" => Action::ToggleHelp,
+        _ => {
+            let stage = text.parse::<usize>().ok().filter(|stage| (1..=STAGES).contains(stage))?;
+            Action::Do(Command::Scene(stage - 1))
+        }
+    })
+}
+
+/// The rows of the help sheet: keys and what they do.
+pub(super) fn help() -> Vec<(&'static str, &'static str)> {
+    let mut rows = vec![
+        ("Space", "pause, go on"),
+        (". or →", "one step while paused"),
+        ("R", "reset the scene"),
+        ("A", "add a ball"),
+        ("Shift+A", "add a hundred"),
+        ("Backspace", "remove the last ball"),
+        ("Click", "add a ball there"),
+        ("Drag", "throw a ball"),
+        ("1 – 8", "the demo's stages"),
+        ("Tab", "next scene"),
+        ("Shift+Tab", "previous scene"),
+        ("G", "gravity on, off"),
+        ("[ ]", "slower, faster"),
+        ("H or F1", "this help"),
+        ("F11", "full screen"),
+        ("F12", "save a picture"),
+        ("Esc", "quit"),
+    ];
+    if Solver::ALL.len() > 1 {
+        rows.insert(11, ("S", "next solver"));
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pressed(key: Key, modifiers: ModifiersState) -> Option<Action> {
+        action(&key, modifiers, false)
+    }
+
+    #[test]
+    fn digits_are_the_stages_and_nothing_else() {
+        let none = ModifiersState::empty();
+        assert_eq!(pressed(Key::Character("8".into()), none), Some(Action::Do(Command::Scene(7))));
+        for text in ["0", "9", "12", "-1", "q", ""] {
+            assert_eq!(pressed(Key::Character(text.into()), none), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_held_key_does_not_toggle() {
+        let none = ModifiersState::empty();
+        assert_eq!(action(&Key::Named(NamedKey::Space), none, true), None);
+        assert!(action(&Key::Named(NamedKey::ArrowRight), none, true).is_some());
+        assert_eq!(action(&Key::Character("A".into()), ModifiersState::SHIFT, true), None);
+    }
+
+    #[test]
+    fn keys_with_control_belong_to_others() {
+        assert_eq!(pressed(Key::Character("r".into()), ModifiersState::CONTROL), None);
+    }
+}

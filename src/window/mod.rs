@@ -1,0 +1,411 @@
+//! The window: winit and pixels, and the only folder that knows them.
+//!
+//! Each frame measures the time since the one before, advances the session by it, paints straight into pixels'
+//! framebuffer and presents it. Where nothing moves (paused, hidden, minimised) no frame is asked for, and the event
+//! loop sleeps.
+
+mod clock;
+mod keys;
+mod overlay;
+mod picture;
+mod problem;
+mod screen;
+mod timings;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::DVec2;
+use winit::application::ApplicationHandler;
+use winit::dpi::{LogicalSize, PhysicalPosition, PhysicalSize};
+use winit::event::{ElementState, KeyEvent, MouseButton, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::keyboard::ModifiersState;
+use winit::window::{Fullscreen, Icon, Window, WindowId};
+
+use clock::{FrameClock, FrameRate};
+use keys::Action;
+pub use problem::WindowError;
+use screen::Screen;
+use timings::Timings;
+
+use crate::paint;
+use crate::scene::Scene;
+use crate::session::{Command, Session};
+
+/// How to open a window.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Fill the screen.
+    pub fullscreen: bool,
+    /// Start with time standing still.
+    pub paused: bool,
+    /// Simulated seconds per measured second.
+    pub time_scale: f64,
+    /// Present with the screen's refresh.
+    pub vsync: bool,
+    /// Print where the frames' time went when the window closes.
+    pub timings: bool,
+    /// The seed of balls added by key.
+    pub seed: Option<u64>,
+}
+
+/// Velocity of a thrown ball per px that it was dragged, 1/s.
+const THROW: f64 = 4.0;
+/// Dragging less far than this is a click, px.
+const CLICK: f64 = 4.0;
+/// How long a notice stands in the title bar.
+const NOTICE: Duration = Duration::from_secs(3);
+
+/// Opens a window on a scene and returns when it is closed.
+///
+/// # Errors
+/// [`WindowError`] where there is no display or no graphics adapter, or they fail.
+pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
+    let mut session = Session::new(scene, options.seed.unwrap_or(1))?;
+    session.set_time_scale(options.time_scale);
+    if options.paused {
+        // Pausing cannot fail.
+        let _ = session.apply(Command::TogglePause);
+    }
+    check_libraries(scene.argument())?;
+    let event_loop = EventLoop::new().map_err(|error| WindowError::NoDisplay {
+        reason: error.to_string(),
+        scene: scene.argument().to_owned(),
+    })?;
+    event_loop.set_control_flow(ControlFlow::Wait);
+    let mut app = App {
+        scene: scene.argument().to_owned(),
+        options: options.clone(),
+        session,
+        screen: None,
+        clock: FrameClock::default(),
+        rate: FrameRate::new(Instant::now()),
+        frames_per_second: None,
+        timings: options.timings.then(Timings::default),
+        modifiers: ModifiersState::empty(),
+        pointer: DVec2::ZERO,
+        drag: None,
+        help: false,
+        hidden: false,
+        notice: None,
+        title: String::new(),
+        failure: None,
+    };
+    event_loop.run_app(&mut app).map_err(|error| WindowError::System(error.to_string()))?;
+    if let Some(timings) = &app.timings {
+        eprintln!("{timings}");
+    }
+    app.failure.map_or(Ok(()), Err)
+}
+
+/// winit aborts where the keyboard's library is missing under X11; this asks before it does.
+#[cfg(target_os = "linux")]
+fn check_libraries(scene: &str) -> Result<(), WindowError> {
+    let missing = |library, package| WindowError::NoLibrary { library, package, scene: scene.to_owned() };
+    if xkbcommon_dl::xkbcommon_option().is_none() {
+        return Err(missing("libxkbcommon.so.0", "libxkbcommon0"));
+    }
+    let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let on_wayland = set("WAYLAND_DISPLAY") || set("WAYLAND_SOCKET");
+    if !on_wayland && set("DISPLAY") && xkbcommon_dl::x11::xkbcommon_x11_option().is_none() {
+        return Err(missing("libxkbcommon-x11.so.0", "libxkbcommon-x11-0"));
+    }
+    Ok(())
+}
+
+#[cfg(not(target_os = "linux"))]
+fn check_libraries(_scene: &str) -> Result<(), WindowError> {
+    Ok(())
+}
+
+/// The window and what is shown in it.
+struct App {
+    /// The scene as the command line named it.
+    scene: String,
+    options: Options,
+    session: Session,
+    /// The window and its framebuffer, once there are.
+    screen: Option<(Arc<Window>, Screen)>,
+    clock: FrameClock,
+    rate: FrameRate,
+    frames_per_second: Option<f64>,
+    timings: Option<Timings>,
+    modifiers: ModifiersState,
+    /// Where the pointer is, px of the world.
+    pointer: DVec2,
+    /// Where the mouse button went down, while it is.
+    drag: Option<DVec2>,
+    help: bool,
+    /// Whether nothing of the window can be seen.
+    hidden: bool,
+    /// Something to say in the title bar, and since when.
+    notice: Option<(String, Instant)>,
+    /// The title as it was set last.
+    title: String,
+    /// Why the event loop was ended, where it was not the user.
+    failure: Option<WindowError>,
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.screen.is_none() {
+            match self.create(event_loop) {
+                Ok((window, screen)) => {
+                    window.request_redraw();
+                    self.screen = Some((window, screen));
+                    self.set_title();
+                }
+                Err(error) => self.fail(event_loop, error),
+            }
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match event {
+            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::Resized(size) => self.resize(event_loop, size),
+            WindowEvent::ScaleFactorChanged { .. } => {
+                if let Some((window, _)) = &self.screen {
+                    let size = window.inner_size();
+                    self.resize(event_loop, size);
+                }
+            }
+            WindowEvent::Occluded(occluded) => self.set_hidden(occluded),
+            WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
+            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => self.key(event_loop, &event),
+            WindowEvent::CursorMoved { position, .. } => self.point_at(position),
+            WindowEvent::MouseInput { state, button: MouseButton::Left, .. } => self.press(state),
+            WindowEvent::RedrawRequested => {
+                if let Err(error) = self.frame() {
+                    self.fail(event_loop, error);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+impl App {
+    fn create(&mut self, event_loop: &ActiveEventLoop) -> Result<(Arc<Window>, Screen), WindowError> {
+        let size = self.session.simulation().world().size();
+        let mut attributes = Window::default_attributes()
+            .with_title("carom")
+            .with_inner_size(LogicalSize::new(size.x, size.y))
+            .with_window_icon(icon());
+        #[cfg(target_os = "linux")]
+        {
+            use winit::platform::{wayland::WindowAttributesExtWayland, x11::WindowAttributesExtX11};
+            attributes = WindowAttributesExtX11::with_name(attributes, "carom", "carom");
+            attributes = WindowAttributesExtWayland::with_name(attributes, "carom", "carom");
+        }
+        if self.options.fullscreen {
+            attributes = attributes.with_fullscreen(Some(Fullscreen::Borderless(None)));
+        }
+        let window = event_loop.create_window(attributes).map_err(|error| WindowError::NoDisplay {
+            reason: error.to_string(),
+            scene: self.scene.clone(),
+        })?;
+        let window = Arc::new(window);
+        let size = window.inner_size();
+        let at_least_one = PhysicalSize::new(size.width.max(1), size.height.max(1));
+        let screen = Screen::new(window.clone(), at_least_one, self.options.vsync, &self.scene)?;
+        self.session.resize(world_size(size, window.scale_factor()))?;
+        Ok((window, screen))
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, error: WindowError) {
+        self.failure = Some(error);
+        event_loop.exit();
+    }
+
+    /// The world is the window, in px that are as large on every screen: with a scale factor of 2, four pixels to one.
+    fn resize(&mut self, event_loop: &ActiveEventLoop, size: PhysicalSize<u32>) {
+        let Some((window, screen)) = &mut self.screen else { return };
+        if size.width == 0 || size.height == 0 {
+            // Minimised, on some systems: there is nothing to show, and the world stays as it was.
+            return self.set_hidden(true);
+        }
+        let world = world_size(size, window.scale_factor());
+        let resized = screen.resize(size);
+        match resized.and_then(|()| Ok(self.session.resize(world)?)) {
+            Ok(()) => self.set_hidden(false),
+            Err(error) => self.fail(event_loop, error),
+        }
+    }
+
+    /// While hidden, no frames are asked for; afterwards time goes on from where it stood.
+    fn set_hidden(&mut self, hidden: bool) {
+        self.hidden = hidden;
+        if hidden {
+            self.clock.stop();
+        }
+        self.request_redraw();
+    }
+
+    fn request_redraw(&self) {
+        if let Some((window, _)) = &self.screen
+            && !self.hidden
+        {
+            window.request_redraw();
+        }
+    }
+
+    fn key(&mut self, event_loop: &ActiveEventLoop, event: &KeyEvent) {
+        if event.state != ElementState::Pressed {
+            return;
+        }
+        match keys::action(&event.logical_key, self.modifiers, event.repeat) {
+            None => return,
+            Some(Action::Do(command)) => self.apply(command),
+            Some(Action::ToggleHelp) => self.help = !self.help,
+            Some(Action::ToggleFullscreen) => self.toggle_fullscreen(),
+            Some(Action::SavePicture) => self.save_picture(),
+            Some(Action::Quit) => return event_loop.exit(),
+        }
+        self.request_redraw();
+    }
+
+    fn apply(&mut self, command: Command) {
+        if let Err(error) = self.session.apply(command) {
+            self.say(error.to_string());
+        }
+        if self.session.is_paused() {
+            self.clock.stop();
+        }
+        self.set_title();
+    }
+
+    fn toggle_fullscreen(&self) {
+        if let Some((window, _)) = &self.screen {
+            let fullscreen = window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
+            window.set_fullscreen(fullscreen);
+        }
+    }
+
+    fn save_picture(&mut self) {
+        let Some((_, screen)) = &self.screen else { return };
+        let (bytes, size) = screen.bytes();
+        match picture::save(self.session.name(), bytes, size) {
+            Ok(path) => self.say(format!("saved {}", path.display())),
+            Err(error) => self.say(format!("no picture saved: {error}")),
+        }
+    }
+
+    fn point_at(&mut self, position: PhysicalPosition<f64>) {
+        if let Some((window, _)) = &self.screen {
+            let position = position.to_logical(window.scale_factor());
+            self.pointer = DVec2::new(position.x, position.y);
+            if self.drag.is_some() {
+                self.request_redraw();
+            }
+        }
+    }
+
+    /// A click adds a ball at rest; a drag throws it from where it began, the faster the longer the line.
+    fn press(&mut self, state: ElementState) {
+        match (state, self.drag.take()) {
+            (ElementState::Pressed, _) => self.drag = Some(self.pointer),
+            (ElementState::Released, Some(position)) => {
+                let line = self.pointer - position;
+                let velocity = if line.length() < CLICK { DVec2::ZERO } else { line * THROW };
+                self.apply(Command::AddBall { position, velocity });
+            }
+            (ElementState::Released, None) => {}
+        }
+        self.request_redraw();
+    }
+
+    /// One frame: measure, advance, paint, present.
+    fn frame(&mut self) -> Result<(), WindowError> {
+        let Some((window, screen)) = &mut self.screen else { return Ok(()) };
+        if self.hidden || window.is_minimized() == Some(true) {
+            self.clock.stop();
+            return Ok(());
+        }
+        let start = Instant::now();
+        self.session.advance(self.clock.tick(start))?;
+        let advanced = Instant::now();
+        let scale = window.scale_factor();
+        if let Some(mut pixmap) = screen.pixmap() {
+            paint::paint(self.session.simulation(), scale, &mut pixmap);
+            if let Some(from) = self.drag
+                && let Some(radius) = self.session.room_at(from)
+            {
+                overlay::throw(&mut pixmap, from * scale, self.pointer * scale, radius * scale, scale);
+            }
+            if self.help {
+                overlay::help(&mut pixmap, scale);
+            }
+        }
+        let painted = Instant::now();
+        let presented = screen.present()?;
+        if let Some(timings) = &mut self.timings {
+            timings.add([advanced - start, painted - advanced, presented.upload, presented.present]);
+        }
+        if !self.session.is_paused() {
+            window.request_redraw();
+        }
+        if let Some(rate) = self.rate.count(Instant::now()) {
+            self.frames_per_second = Some(rate);
+            self.set_title();
+        }
+        Ok(())
+    }
+
+    /// Says something in the title bar, and on standard error for whoever looks there.
+    fn say(&mut self, text: String) {
+        eprintln!("carom: {text}");
+        self.notice = Some((text, Instant::now()));
+        self.set_title();
+    }
+
+    fn set_title(&mut self) {
+        let Some((window, _)) = &self.screen else { return };
+        if self.notice.as_ref().is_some_and(|(_, since)| since.elapsed() > NOTICE) {
+            self.notice = None;
+        }
+        let title = match &self.notice {
+            Some((notice, _)) => format!("carom – {notice}"),
+            None => title(&self.session, self.frames_per_second),
+        };
+        if title != self.title {
+            window.set_title(&title);
+            self.title = title;
+        }
+    }
+}
+
+/// Scene, solver, balls, and how time runs.
+fn title(session: &Session, frames_per_second: Option<f64>) -> String {
+    let (simulation, scale) = (session.simulation(), session.time_scale());
+    let count = simulation.balls().len();
+    let balls = if count == 1 { "ball" } else { "balls" };
+    let mut title = format!("carom – {} · {} · {count} {balls}", session.name(), simulation.solver());
+    if scale != 1.0 {
+        let factor = if scale < 1.0 { format!("1/{}", 1.0 / scale) } else { scale.to_string() };
+        title += &format!(" · speed {factor}");
+    }
+    match frames_per_second {
+        _ if session.is_paused() => title += " · paused",
+        Some(rate) => title += &format!(" · {rate:.0} fps"),
+        None => {}
+    }
+    title
+}
+
+fn world_size(size: PhysicalSize<u32>, scale_factor: f64) -> DVec2 {
+    let size = size.to_logical(scale_factor);
+    DVec2::new(size.width, size.height)
+}
+
+/// One of our balls.
+fn icon() -> Option<Icon> {
+    const SIDE: u32 = 64;
+    let mut pixmap = tiny_skia::Pixmap::new(SIDE, SIDE)?;
+    let middle = f64::from(SIDE) / 2.0;
+    paint::disc(&mut pixmap.as_mut(), DVec2::splat(middle), middle - 2.0, paint::BALL);
+    let straight = pixmap.pixels().iter().map(|pixel| pixel.demultiply());
+    let rgba = straight.flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()]);
+    Icon::from_rgba(rgba.collect(), SIDE, SIDE).ok()
+}
