@@ -7,9 +7,11 @@ mod colours;
 #[cfg(feature = "window")]
 pub(crate) mod text;
 
+use std::f64::consts::{PI, TAU};
+
 use glam::DVec2;
 use thiserror::Error;
-use tiny_skia::{FillRule, Paint, PathBuilder, Pixmap, PixmapMut, Transform};
+use tiny_skia::{FillRule, Paint, Path, PathBuilder, Pixmap, PixmapMut, Transform};
 
 pub use animation::{Animation, AnimationError};
 pub use colours::{BACKGROUND, BALL, CONTACT, Colour};
@@ -72,10 +74,38 @@ pub(crate) fn disc(pixmap: &mut PixmapMut<'_>, centre: DVec2, radius: f64, colou
     if !inside.all() {
         return;
     }
-    let Some(path) = PathBuilder::from_circle(centre.x as f32, centre.y as f32, radius as f32) else {
-        return;
-    };
-    pixmap.fill_path(&path, &colour.paint(), FillRule::Winding, Transform::identity(), None);
+    if let Some(path) = circle(centre, radius) {
+        pixmap.fill_path(&path, &colour.paint(), FillRule::Winding, Transform::identity(), None);
+    }
+}
+
+/// How far a circle's polygon may leave the circle, px.
+const SAGITTA: f64 = 0.05;
+
+/// A circle as a polygon of the same area, for tiny-skia to fill.
+///
+/// tiny-skia's own circle is flattened so coarsely that a disc of 10 px loses 2 % of its area; this one, in about the
+/// same time, less than 0.2 %.
+fn circle(centre: DVec2, radius: f64) -> Option<Path> {
+    // A chord over the angle 2h leaves the circle by r(1 − cos h) ≈ rh²/2.
+    let sides = (PI * (radius / (2.0 * SAGITTA)).sqrt()).clamp(16.0, 1024.0).ceil();
+    let angle = TAU / sides;
+    let turn = DVec2::from_angle(angle);
+    // The polygon's area is n/2·R² sin(2π/n), the circle's πr².
+    let mut corner = DVec2::new(radius * (angle / turn.y).sqrt(), 0.0);
+    let mut path = PathBuilder::new();
+    for side in 0..sides as u32 {
+        let at = centre + corner;
+        let (x, y) = (at.x as f32, at.y as f32);
+        if side == 0 {
+            path.move_to(x, y)
+        } else {
+            path.line_to(x, y)
+        }
+        corner = turn.rotate(corner);
+    }
+    path.close();
+    path.finish()
 }
 
 impl Colour {

@@ -1,0 +1,127 @@
+//! The house stays as drawn: which part of the program may import which.
+//!
+//! `simulation <- scene <- session <- paint, headless <- window <- the program`, and libraries only where they belong.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A part of the library, the parts of it that it may name, and the libraries that it may use.
+const HOUSE: &[(&str, &[&str], &[&str])] = &[
+    ("simulation", &[], &["glam", "proptest"]),
+    ("scene", &["simulation"], &["glam", "rand", "serde", "thiserror", "toml"]),
+    ("session", &["simulation", "scene"], &["glam", "thiserror"]),
+    (
+        "paint",
+        &["simulation"],
+        &["epaint_default_fonts", "gif", "glam", "thiserror", "tiny_skia", "ttf_parser"],
+    ),
+    (
+        "headless",
+        &["simulation", "scene", "paint"],
+        &["gif", "indicatif", "serde", "serde_json", "tempfile", "thiserror", "tiny_skia"],
+    ),
+    (
+        "window",
+        &["simulation", "scene", "session", "paint", "headless"],
+        &["glam", "pixels", "thiserror", "tiny_skia", "winit", "xkbcommon_dl"],
+    ),
+];
+
+/// Names that lib.rs re-exports, by the part that they come from.
+const RE_EXPORTS: &[(&str, &str)] = &[
+    ("OutOfRange", "simulation"),
+    ("BuildError", "simulation"),
+    ("Simulation", "simulation"),
+    ("Ball", "simulation"),
+    ("Scene", "scene"),
+    ("SceneError", "scene"),
+    ("Session", "session"),
+    ("Command", "session"),
+];
+
+fn files(part: &str) -> Vec<PathBuf> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let single = source.join(part).with_extension("rs");
+    if single.exists() {
+        return vec![single];
+    }
+    let mut folders = vec![source.join(part)];
+    let mut files = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() { folders.push(path) } else { files.push(path) }
+        }
+    }
+    assert!(!files.is_empty());
+    files
+}
+
+/// The code of a file without comments, whose links may point anywhere.
+fn code(path: &Path) -> String {
+    let text = fs::read_to_string(path).unwrap();
+    let code: Vec<&str> = text.lines().map(|line| line.split("//").next().unwrap()).collect();
+    code.join("\n")
+}
+
+/// Every identifier that stands behind `prefix` in `code`.
+fn named(code: &str, prefix: &str) -> Vec<String> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let behind = code.match_indices(prefix).filter(|(at, _)| !code[..*at].ends_with(is_name));
+    behind.map(|(at, _)| code[at + prefix.len()..].chars().take_while(|&c| is_name(c)).collect()).collect()
+}
+
+#[test]
+fn parts_import_only_what_lies_below_them() {
+    for (part, below, _) in HOUSE {
+        for file in files(part) {
+            for name in named(&code(&file), "crate::") {
+                let home =
+                    RE_EXPORTS.iter().find(|(export, _)| *export == name).map_or(&*name, |(_, home)| home);
+                assert!(home == *part || below.contains(&home), "{} names crate::{name}", file.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn libraries_are_used_only_where_they_belong() {
+    let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = manifest.parse().unwrap();
+    let mut libraries: Vec<String> = Vec::new();
+    let linux = &manifest["target"]["cfg(target_os = \"linux\")"];
+    for table in [&manifest["dependencies"], &manifest["dev-dependencies"], &linux["dependencies"]] {
+        libraries.extend(table.as_table().unwrap().keys().map(|name| name.replace('-', "_")));
+    }
+    assert!(libraries.contains(&"winit".to_owned()) && libraries.contains(&"glam".to_owned()));
+    for (part, _, allowed) in HOUSE {
+        for file in files(part) {
+            let code = code(&file);
+            for library in libraries.iter().filter(|library| !allowed.contains(&library.as_str())) {
+                let used = !named(&code, &format!("{library}::")).is_empty();
+                assert!(!used, "{} uses {library}", file.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_physics_knows_no_clock_no_files_and_no_threads() {
+    for file in files("simulation") {
+        for module in named(&code(&file), "std::") {
+            assert!(
+                ["fmt", "ops", "str", "error"].contains(&module.as_str()),
+                "{}: std::{module}",
+                file.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn every_part_of_the_library_stands_in_the_house() {
+    let library = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).unwrap();
+    for part in named(&library, "pub mod ") {
+        assert!(HOUSE.iter().any(|(name, ..)| *name == part), "{part}");
+    }
+}

@@ -1,0 +1,165 @@
+//! Scenes: the built-in ones are what the demo has, and run; wrong ones are refused with line, reason and remedy.
+
+use carom::simulation::invariants::{max_wall_overlap, non_finite};
+use carom::{DVec2, Part, Scene, SceneError, scene};
+
+#[test]
+fn every_scene_runs_ten_seconds_with_nothing_non_finite_and_nothing_outside_its_walls() {
+    for name in scene::names() {
+        let mut simulation = Scene::load(name).unwrap().build().unwrap();
+        for _ in 0..600 {
+            simulation.advance(1.0 / 60.0).unwrap();
+            assert_eq!(non_finite(simulation.balls()), 0, "{name}");
+            assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9, "{name}");
+        }
+    }
+}
+
+#[test]
+fn every_scene_says_what_it_shows() {
+    for name in scene::names() {
+        let scene = Scene::load(name).unwrap();
+        assert!(!scene.about().is_empty(), "{name}");
+        assert_eq!(scene.name(), name);
+    }
+}
+
+#[test]
+fn stages_run_what_they_show_and_no_more() {
+    use Part::{AllPairs, Gravity, Impulse, Motion, Walls};
+    let expected: [(&str, &[Part]); 8] = [
+        ("draw", &[Motion]),
+        ("move", &[Motion]),
+        ("two", &[Motion]),
+        ("detect", &[Motion, AllPairs]),
+        ("walls", &[Motion, Walls, AllPairs]),
+        ("elastic", &[Motion, Walls, AllPairs, Impulse]),
+        ("inelastic", &[Motion, Walls, AllPairs, Impulse]),
+        ("gravity", &[Motion, Gravity, Walls, AllPairs, Impulse]),
+    ];
+    assert_eq!(scene::names()[..scene::STAGES], expected.map(|(name, _)| name));
+    for (name, parts) in expected {
+        assert_eq!(Scene::load(name).unwrap().build().unwrap().parts(), parts, "{name}");
+    }
+    let crowd = Scene::load("gravity").unwrap().with_added(100, None).build().unwrap();
+    assert!(crowd.parts().contains(&Part::Grid) && !crowd.parts().contains(&AllPairs));
+}
+
+#[test]
+fn the_first_stages_balls_fly_as_the_demo_says() {
+    let mut simulation = Scene::load("two").unwrap().build().unwrap();
+    simulation.advance(0.0).unwrap();
+    simulation.advance(2.0).unwrap();
+    let positions: Vec<DVec2> = simulation.balls().iter().map(carom::Ball::position).collect();
+    assert_eq!(positions, [DVec2::new(124.0, 150.0), DVec2::new(320.0, 270.0)]);
+    assert_eq!(simulation.touching(), [false, false], "no contact between them");
+}
+
+#[test]
+fn added_balls_are_the_same_for_the_same_seed() {
+    let balls =
+        |seed| Scene::load("elastic").unwrap().with_added(50, Some(seed)).build().unwrap().balls().to_vec();
+    assert_eq!(balls(7).len(), 65);
+    assert_eq!(balls(7), balls(7));
+    assert_ne!(balls(7), balls(8));
+}
+
+#[test]
+fn numbers_may_be_written_with_and_without_a_point_and_defaults_hold() {
+    let scene = Scene::parse(
+        "it",
+        "[[ball]]\nposition = [3, 4.5]\nradius = 1\n[walls]\n[pairs]\n[[fill]]\ncount = 3\nradius = 5\n",
+    );
+    let simulation = scene.unwrap().build().unwrap();
+    let ball = simulation.balls()[0];
+    assert_eq!((ball.position(), ball.velocity()), (DVec2::new(3.0, 4.5), DVec2::ZERO));
+    assert_eq!((ball.mass(), ball.restitution()), (1.0, 1.0));
+    assert_eq!(simulation.world().walls(), Some(1.0));
+    assert_eq!(simulation.world().pairs(), Some(carom::Pairs::Impulse));
+    assert_eq!(simulation.world().size(), DVec2::new(1280.0, 720.0));
+    for ball in &simulation.balls()[1..] {
+        assert_eq!((ball.radius(), ball.velocity(), ball.restitution()), (5.0, DVec2::ZERO, 1.0));
+        assert!((ball.mass() - 25.0 * std::f64::consts::PI).abs() < 1e-9, "density is 1 per px²");
+    }
+    assert!(Scene::parse("it", "").unwrap().build().unwrap().balls().is_empty());
+}
+
+#[test]
+fn fills_keep_to_their_region() {
+    let text = "[[fill]]\ncount = 200\nradius = [2, 4]\nregion = [100, 50, 300, 250]\nmass = 7\n";
+    for ball in Scene::parse("it", text).unwrap().build().unwrap().balls() {
+        let (low, high) = (ball.position() - ball.radius(), ball.position() + ball.radius());
+        assert!(low.cmpge(DVec2::new(100.0, 50.0)).all() && high.cmple(DVec2::new(300.0, 250.0)).all());
+        assert_eq!(ball.mass(), 7.0);
+    }
+}
+
+/// A wrong scene file, the line that the message must name, and what it must say.
+const WRONG: &[(&str, usize, &str)] = &[
+    ("gravty = [0, 980]", 1, "unknown field `gravty`, expected one of `about`, `solver`, `size`, `gravity`"),
+    ("size = [1280, 720]\ngravity = 980", 2, "expected two numbers, such as [30, 50]"),
+    ("gravity = [0, 1, 2]", 1, "expected two numbers, such as [30, 50]"),
+    ("gravity = [0, nan]", 1, "gravity is NaN px/s²; it must be from -1e9 to 1e9 px/s²"),
+    ("size = [0, 720]", 1, "size is 0 px; it must be from 1 to 1e6 px"),
+    ("size = [1280.5, 720]", 1, "write whole numbers of px"),
+    ("solver = \"magic\"", 1, "there is no solver \"magic\" in this version; choose from: canvas"),
+    ("\n[walls]\nrestitution = 1.5", 3, "restitution is 1.5; it must be from 0 to 1"),
+    ("[walls]\nbounce = 1", 2, "unknown field `bounce`, expected `restitution`"),
+    ("[pairs]\nresponse = \"stick\"", 2, "unknown variant `stick`, expected `impulse` or `detect`"),
+    ("[[ball]]\nposition = [1, 2]", 1, "missing field `radius`"),
+    ("[[ball]]\nradius = 5", 1, "missing field `position`"),
+    ("[[ball]]\nposition = [1, 2]\nradius = 0", 3, "radius is 0 px; it must be from 1e-6 to 1e9 px"),
+    ("[[ball]]\nposition = [1, 2]\nradius = -3", 3, "radius is -3 px"),
+    ("[[ball]]\nposition = [1, inf]\nradius = 3", 2, "position is inf px; it must be from -1e9 to 1e9 px"),
+    ("[[ball]]\nposition = [1, 2]\nradius = \"3\"", 3, "expected a number, such as 12 or 0.5"),
+    ("[[ball]]\nposition = [1, 2]\nradius = 3\nmass = 0", 4, "mass is 0; it must be from 1e-30 to 1e30"),
+    ("[[ball]]\nposition = [1, 2]\nradius = 3\nvelocity = [1e300, 0]", 4, "velocity is 1e300 px/s"),
+    ("[[ball]]\nposition = [1, 2]\nradius = 3\nrestitution = -0.1", 4, "restitution is -0.1"),
+    ("[[ball]]\nposition = [1, 2]\nradius = 3\ncolour = 1", 4, "unknown field `colour`"),
+    (
+        "size = [100, 50]\n[[ball]]\nposition = [1, 2]\nradius = 26",
+        4,
+        "larger than the world (100x50 px); write at most 25",
+    ),
+    ("[[ball]]\nposition = [1, 2]\nradius = 3\nradius = 4", 4, "duplicate key"),
+    ("about = \"open", 1, "invalid basic string"),
+    ("[[fill]]\ncount = -1\nradius = 3", 2, "expected a whole number from 0 up, such as 1000"),
+    ("[[fill]]\ncount = 2.5\nradius = 3", 2, "expected a whole number from 0 up, such as 1000"),
+    ("[[fill]]\ncount = 1000000000\nradius = 3", 2, "a simulation takes at most 10000000 balls"),
+    ("[[fill]]\ncount = 9000000\nradius = 1\n[[fill]]\ncount = 9000000\nradius = 1", 5, "at most 10000000"),
+    ("[[fill]]\ncount = 5\nradius = [6, 3]", 3, "write the smaller number first: [3, 6]"),
+    ("[[fill]]\ncount = 5\nradius = [3]", 3, "expected a number or a range, such as 5 or [3, 6]"),
+    ("[[fill]]\ncount = 5\nradius = 3\nspeed = -1", 4, "speed is -1 px/s; it must be from 0"),
+    ("[[fill]]\ncount = 5\nradius = 3\nmass = 1\ndensity = 1", 4, "a density or a mass, not both"),
+    ("[[fill]]\ncount = 5\nradius = 3\nseed = -1", 4, "expected a whole number from 0 up"),
+    (
+        "[[fill]]\ncount = 5\nradius = 3\nregion = [0, 0, 2000, 10]",
+        4,
+        "must lie in the world, [0, 0, 1280, 720]",
+    ),
+    ("[[fill]]\ncount = 5\nradius = 3\nregion = [0, 0, 5, 10]", 4, "no room for a ball of radius 3"),
+    ("[[fill]]\ncount = 5\nradius = 3\nregion = [0, 0, 5]", 4, "four numbers, left, top, right and bottom"),
+    ("\n\n[[fill]]\ncount = 100000\nradius = 20", 3, "found room; write a smaller count or radius"),
+];
+
+#[test]
+fn wrong_scenes_are_refused_with_line_reason_and_remedy() {
+    for &(text, line, message) in WRONG {
+        let error = Scene::parse("bad.toml", text).and_then(|scene| scene.build()).map(drop).unwrap_err();
+        let said = error.to_string();
+        assert!(said.starts_with(&format!("bad.toml:{line}: ")), "{text:?}: {said}");
+        assert!(said.contains(message), "{text:?}: {said}");
+        assert!(matches!(error, SceneError::Wrong(_)));
+    }
+}
+
+#[test]
+fn names_that_are_no_scenes_are_refused_with_those_that_are() {
+    let unknown = Scene::load("gravitas").unwrap_err().to_string();
+    assert!(
+        unknown.contains("there is no scene \"gravitas\"") && unknown.contains("draw, move, two"),
+        "{unknown}"
+    );
+    let missing = Scene::load("no/such/file.toml").unwrap_err().to_string();
+    assert!(missing.starts_with("no/such/file.toml: "), "{missing}");
+}
