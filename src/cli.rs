@@ -58,7 +58,13 @@ pub struct SceneArgs {
     #[arg(long)]
     pub solver: Option<Solver>,
     /// Add N random balls
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        hide_default_value = true,
+        allow_negative_numbers = true
+    )]
     pub balls: usize,
     /// The random balls' seed: the same seed, the same balls [default: 1]
     #[arg(long, value_name = "N")]
@@ -69,6 +75,7 @@ pub struct SceneArgs {
 }
 
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "independent switches of the command line")]
 pub struct WindowArgs {
     /// A built-in scene's name or a .toml file
     #[arg(default_value = carom::scene::DEFAULT_SCENE)]
@@ -82,7 +89,7 @@ pub struct WindowArgs {
     #[arg(long)]
     pub paused: bool,
     /// Time scale: 0.5 is half speed
-    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = scale)]
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = scale, allow_negative_numbers = true)]
     pub scale: f64,
     /// Present frames at once instead of with the screen's refresh
     #[arg(long)]
@@ -99,10 +106,16 @@ pub struct RunArgs {
     #[command(flatten)]
     pub start: SceneArgs,
     /// Simulated time in seconds; the first frame has 0, so 0 seconds is one frame [default: 10]
-    #[arg(long, value_name = "T", default_value_t = 10.0, hide_default_value = true)]
+    #[arg(
+        long,
+        value_name = "T",
+        default_value_t = 10.0,
+        hide_default_value = true,
+        allow_negative_numbers = true
+    )]
     pub seconds: f64,
     /// Frames per second of simulated time
-    #[arg(long, value_name = "F", default_value_t = 60.0)]
+    #[arg(long, value_name = "F", default_value_t = 60.0, allow_negative_numbers = true)]
     pub fps: f64,
     /// Take the frames' deltas from a file: seconds, one a line
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seconds", "fps"])]

@@ -56,8 +56,9 @@ impl Failure {
     /// 2 where the call or a file that it names is wrong, 1 where it failed while running.
     fn exit_code(&self) -> ExitCode {
         match self {
-            Self::Scene(_) | Self::OutOfRange(_) => ExitCode::from(2),
-            Self::Run(
+            Self::Scene(_)
+            | Self::OutOfRange(_)
+            | Self::Run(
                 RunError::Scene(_) | RunError::Frames(_) | RunError::TwoOnStdout | RunError::Picture(_),
             ) => ExitCode::from(2),
             _ => ExitCode::from(1),

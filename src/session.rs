@@ -271,13 +271,12 @@ impl Session {
         let scene = Scene::load(name)?;
         // Fills want the size at hand; what does not fit it is built as the scene would have it, then brought inside.
         let resized = scene.clone().with_size(size).ok().and_then(|scene| Self::new(&scene, self.seed).ok());
-        let session = match resized {
-            Some(session) => session,
-            None => {
-                let mut session = Self::new(&scene, self.seed)?;
-                session.resize(size)?;
-                session
-            }
+        let session = if let Some(session) = resized {
+            session
+        } else {
+            let mut session = Self::new(&scene, self.seed)?;
+            session.resize(size)?;
+            session
         };
         *self =
             Self { paused: self.paused, time_scale: self.time_scale, additions: self.additions, ..session };

@@ -31,7 +31,9 @@ fn demo_frame(world: &World, balls: &mut [Reference], seconds: f64) {
     }
     let Some(pairs) = world.pairs() else { return };
     let elastic = balls.iter().all(|ball| ball.e == 1.0);
-    balls.iter_mut().for_each(|ball| ball.colliding = false);
+    for ball in &mut *balls {
+        ball.colliding = false;
+    }
     for i in 0..balls.len() {
         for j in i + 1..balls.len() {
             let (dx, dy) = (balls[i].x - balls[j].x, balls[i].y - balls[j].y);

@@ -161,7 +161,7 @@ impl Outputs {
 
     /// Writes what a frame, from 1, adds.
     fn add(&mut self, run: &Run, frame: u64, simulation: &Simulation) -> Result<(), RunError> {
-        if frame == 1 || frame % run.every.max(1) == 0 {
+        if frame == 1 || frame.is_multiple_of(run.every.max(1)) {
             let time = simulation.time();
             self.write_trace(|trace| {
                 let states = simulation.balls().iter().zip(simulation.touching()).enumerate();

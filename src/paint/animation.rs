@@ -84,7 +84,7 @@ impl<W: Write> Animation<W> {
     /// [`AnimationError::Encoding`] where the last frame cannot be written.
     pub fn finish(mut self, time: f64) -> Result<W, AnimationError> {
         self.write_waiting((time * 100.0).round() as u64)?;
-        Ok(self.encoder.into_inner().map_err(gif::EncodingError::from)?)
+        Ok(self.encoder.into_inner()?)
     }
 
     fn write_waiting(&mut self, until: u64) -> Result<(), AnimationError> {

@@ -98,9 +98,9 @@ fn circle(centre: DVec2, radius: f64) -> Option<Path> {
         let at = centre + corner;
         let (x, y) = (at.x as f32, at.y as f32);
         if side == 0 {
-            path.move_to(x, y)
+            path.move_to(x, y);
         } else {
-            path.line_to(x, y)
+            path.line_to(x, y);
         }
         corner = turn.rotate(corner);
     }

@@ -76,8 +76,9 @@ impl Fault {
         let Some(offset) = offset else {
             return Self { origin: origin.to_owned(), line: None, text: String::new(), message };
         };
-        let before = &source.as_bytes()[..offset.min(source.len())];
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        // An offset within a character, which the parser never gives, counts as the line's end.
+        let before = source.get(..offset).unwrap_or(source);
+        let line = 1 + before.matches('\n').count();
         let mut text: String = source.lines().nth(line - 1).unwrap_or_default().trim_end().to_owned();
         if text.chars().count() > SHOWN_MOST {
             text = text.chars().take(SHOWN_MOST).chain(['…']).collect();

@@ -224,8 +224,8 @@ fn wrap(coordinate: f64, count: usize) -> usize {
 
 #[inline]
 fn bits(coordinate: f64) -> u64 {
-    // `max` and `min` turn a NaN into a bound.
-    (coordinate.max(-FAR).min(FAR) - 0.5 + ROUND_TO_BITS).to_bits()
+    // A NaN stays one and lands in some cell, where it touches nothing.
+    (coordinate.clamp(-FAR, FAR) - 0.5 + ROUND_TO_BITS).to_bits()
 }
 
 /// The cells from `low` to `high` on an axis of `count`, as numbers to be taken modulo `count`; each at most once.

@@ -103,16 +103,16 @@ pub(super) fn help() -> Vec<(&'static str, &'static str)> {
 mod tests {
     use super::*;
 
-    fn pressed(key: Key, modifiers: ModifiersState) -> Option<Action> {
-        action(&key, modifiers, false)
+    fn pressed(key: &Key, modifiers: ModifiersState) -> Option<Action> {
+        action(key, modifiers, false)
     }
 
     #[test]
     fn digits_are_the_stages_and_nothing_else() {
         let none = ModifiersState::empty();
-        assert_eq!(pressed(Key::Character("8".into()), none), Some(Action::Do(Command::Scene(7))));
+        assert_eq!(pressed(&Key::Character("8".into()), none), Some(Action::Do(Command::Scene(7))));
         for text in ["0", "9", "12", "-1", "q", ""] {
-            assert_eq!(pressed(Key::Character(text.into()), none), None, "{text}");
+            assert_eq!(pressed(&Key::Character(text.into()), none), None, "{text}");
         }
     }
 
@@ -126,6 +126,6 @@ mod tests {
 
     #[test]
     fn keys_with_control_belong_to_others() {
-        assert_eq!(pressed(Key::Character("r".into()), ModifiersState::CONTROL), None);
+        assert_eq!(pressed(&Key::Character("r".into()), ModifiersState::CONTROL), None);
     }
 }

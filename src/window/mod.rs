@@ -16,6 +16,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
+use tiny_skia::PremultipliedColorU8;
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalPosition, PhysicalSize};
 use winit::event::{ElementState, KeyEvent, MouseButton, WindowEvent};
@@ -35,6 +36,7 @@ use crate::session::{Command, Session};
 
 /// How to open a window.
 #[derive(Debug, Clone)]
+#[expect(clippy::struct_excessive_bools, reason = "independent switches of the command line")]
 pub struct Options {
     /// Fill the screen.
     pub fullscreen: bool,
@@ -182,6 +184,16 @@ impl ApplicationHandler for App {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Sleeps until something happens, or until the notice in the title bar has stood long enough.
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let until = self.notice.as_ref().map(|(_, since)| *since + NOTICE);
+        event_loop.set_control_flow(until.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        if until.is_some_and(|until| Instant::now() >= until) {
+            self.notice = None;
+            self.set_title();
         }
     }
 }
@@ -362,9 +374,6 @@ impl App {
 
     fn set_title(&mut self) {
         let Some((window, _)) = &self.screen else { return };
-        if self.notice.as_ref().is_some_and(|(_, since)| since.elapsed() > NOTICE) {
-            self.notice = None;
-        }
         let title = match &self.notice {
             Some((notice, _)) => format!("carom – {notice}"),
             None => title(&self.session, self.frames_per_second),
@@ -405,7 +414,7 @@ fn icon() -> Option<Icon> {
     let mut pixmap = tiny_skia::Pixmap::new(SIDE, SIDE)?;
     let middle = f64::from(SIDE) / 2.0;
     paint::disc(&mut pixmap.as_mut(), DVec2::splat(middle), middle - 2.0, paint::BALL);
-    let straight = pixmap.pixels().iter().map(|pixel| pixel.demultiply());
+    let straight = pixmap.pixels().iter().map(PremultipliedColorU8::demultiply);
     let rgba = straight.flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()]);
     Icon::from_rgba(rgba.collect(), SIDE, SIDE).ok()
 }
