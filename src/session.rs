@@ -92,6 +92,8 @@ pub struct Session {
     simulation: Simulation,
     /// What a reset goes back to.
     start: (World, Vec<Ball>),
+    /// The size that the world was last asked to have, px; wide balls may have made it larger.
+    size: DVec2,
     paused: bool,
     time_scale: f64,
     /// Frame 1 has a delta of 0, whatever the clock says; this is true until it has been.
@@ -113,6 +115,7 @@ impl Session {
         Ok(Self {
             name: scene.name().to_owned(),
             start: (*simulation.world(), simulation.balls().to_vec()),
+            size: simulation.world().size(),
             gravity: simulation.world().gravity().unwrap_or(EARTH),
             simulation,
             paused: false,
@@ -168,12 +171,16 @@ impl Session {
         }
     }
 
-    /// Makes the world `size` px large, as far as its balls allow.
+    /// Makes the world `size` px large, as far as its balls allow. Costs nothing where it was asked for before.
     ///
     /// # Errors
     /// [`OutOfRange`](crate::OutOfRange) where no world may have this size.
     pub fn resize(&mut self, size: DVec2) -> Result<(), crate::OutOfRange> {
-        self.simulation.resize(size)
+        if size != self.size {
+            self.simulation.resize(size)?;
+            self.size = size;
+        }
+        Ok(())
     }
 
     /// The radius of the ball that a click at `position` would add: what fits between walls and other balls.
@@ -219,10 +226,9 @@ impl Session {
     }
 
     fn reset(&mut self) -> Result<(), CommandError> {
-        let size = self.simulation.world().size();
         let (world, balls) = self.start.clone();
         self.simulation = Simulation::new(world, balls, self.simulation.solver())?;
-        self.simulation.resize(size)?;
+        self.simulation.resize(self.size)?;
         self.fresh = true;
         Ok(())
     }
@@ -267,7 +273,7 @@ impl Session {
     /// Plays another built-in scene in a world of the same size, with pause and time scale as they are.
     fn go_to(&mut self, number: usize) -> Result<(), CommandError> {
         let Some(&name) = scene::names().get(number) else { return Ok(()) };
-        let size = self.simulation.world().size();
+        let size = self.size;
         let scene = Scene::load(name)?;
         // Fills want the size at hand; what does not fit it is built as the scene would have it, then brought inside.
         let resized = scene.clone().with_size(size).ok().and_then(|scene| Self::new(&scene, self.seed).ok());

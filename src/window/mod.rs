@@ -89,7 +89,7 @@ pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
         pointer: DVec2::ZERO,
         drag: None,
         help: false,
-        hidden: false,
+        occluded: false,
         notice: None,
         title: String::new(),
         failure: None,
@@ -139,8 +139,8 @@ struct App {
     /// Where the mouse button went down, while it is.
     drag: Option<DVec2>,
     help: bool,
-    /// Whether nothing of the window can be seen.
-    hidden: bool,
+    /// Whether other windows cover this one.
+    occluded: bool,
     /// Something to say in the title bar, and since when.
     notice: Option<(String, Instant)>,
     /// The title as it was set last.
@@ -166,14 +166,12 @@ impl ApplicationHandler for App {
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
             WindowEvent::CloseRequested => event_loop.exit(),
-            WindowEvent::Resized(size) => self.resize(event_loop, size),
-            WindowEvent::ScaleFactorChanged { .. } => {
-                if let Some((window, _)) = &self.screen {
-                    let size = window.inner_size();
-                    self.resize(event_loop, size);
-                }
+            // The frame follows the window's size, whatever events have told of it so far.
+            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => self.request_redraw(),
+            WindowEvent::Occluded(occluded) => {
+                self.occluded = occluded;
+                self.request_redraw();
             }
-            WindowEvent::Occluded(occluded) => self.set_hidden(occluded),
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::KeyboardInput { event, is_synthetic: false, .. } => self.key(event_loop, &event),
             WindowEvent::CursorMoved { position, .. } => self.point_at(position),
@@ -222,7 +220,6 @@ impl App {
         let size = window.inner_size();
         let at_least_one = PhysicalSize::new(size.width.max(1), size.height.max(1));
         let screen = Screen::new(window.clone(), at_least_one, self.options.vsync, &self.scene)?;
-        self.session.resize(world_size(size, window.scale_factor()))?;
         Ok((window, screen))
     }
 
@@ -231,34 +228,8 @@ impl App {
         event_loop.exit();
     }
 
-    /// The world is the window, in px that are as large on every screen: with a scale factor of 2, four pixels to one.
-    fn resize(&mut self, event_loop: &ActiveEventLoop, size: PhysicalSize<u32>) {
-        let Some((window, screen)) = &mut self.screen else { return };
-        if size.width == 0 || size.height == 0 {
-            // Minimised, on some systems: there is nothing to show, and the world stays as it was.
-            return self.set_hidden(true);
-        }
-        let world = world_size(size, window.scale_factor());
-        let resized = screen.resize(size);
-        match resized.and_then(|()| Ok(self.session.resize(world)?)) {
-            Ok(()) => self.set_hidden(false),
-            Err(error) => self.fail(event_loop, error),
-        }
-    }
-
-    /// While hidden, no frames are asked for; afterwards time goes on from where it stood.
-    fn set_hidden(&mut self, hidden: bool) {
-        self.hidden = hidden;
-        if hidden {
-            self.clock.stop();
-        }
-        self.request_redraw();
-    }
-
     fn request_redraw(&self) {
-        if let Some((window, _)) = &self.screen
-            && !self.hidden
-        {
+        if let Some((window, _)) = &self.screen {
             window.request_redraw();
         }
     }
@@ -297,8 +268,8 @@ impl App {
 
     fn save_picture(&mut self) {
         let Some((_, screen)) = &self.screen else { return };
-        let (bytes, size) = screen.bytes();
-        match picture::save(self.session.name(), bytes, size) {
+        let Some(painted) = screen.painted() else { return };
+        match picture::save(self.session.name(), painted) {
             Ok(path) => self.say(format!("saved {}", path.display())),
             Err(error) => self.say(format!("no picture saved: {error}")),
         }
@@ -329,16 +300,24 @@ impl App {
     }
 
     /// One frame: measure, advance, paint, present.
+    ///
+    /// The world is the window, in px that are as large on every screen: with a scale factor of 2, four pixels to one.
     fn frame(&mut self) -> Result<(), WindowError> {
         let Some((window, screen)) = &mut self.screen else { return Ok(()) };
-        if self.hidden || window.is_minimized() == Some(true) {
+        let (size, scale) = (window.inner_size(), window.scale_factor());
+        if self.occluded || size.width == 0 || size.height == 0 || window.is_minimized() == Some(true) {
+            // Nothing can be seen: no frame is asked for until an event tells otherwise, and then time goes on from
+            // where it stood.
             self.clock.stop();
             return Ok(());
         }
+        if screen.size() != size {
+            screen.resize(size)?;
+        }
+        self.session.resize(world_size(size, scale))?;
         let start = Instant::now();
         self.session.advance(self.clock.tick(start))?;
         let advanced = Instant::now();
-        let scale = window.scale_factor();
         if let Some(mut pixmap) = screen.pixmap() {
             paint::paint(self.session.simulation(), scale, &mut pixmap);
             if let Some(from) = self.drag
@@ -351,6 +330,11 @@ impl App {
             }
         }
         let painted = Instant::now();
+        if window.inner_size() != size {
+            // This picture is the wrong size already; the next will not be.
+            window.request_redraw();
+            return Ok(());
+        }
         let presented = screen.present()?;
         if let Some(timings) = &mut self.timings {
             timings.add([advanced - start, painted - advanced, presented.upload, presented.present]);

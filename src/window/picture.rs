@@ -5,14 +5,11 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use tiny_skia::PixmapRef;
-use winit::dpi::PhysicalSize;
 
 use super::problem::PictureError;
 
 /// Saves a frame in the current folder under the first free name, and tells that.
-pub(super) fn save(scene: &str, bytes: &[u8], size: PhysicalSize<u32>) -> Result<PathBuf, PictureError> {
-    let pixmap = PixmapRef::from_bytes(bytes, size.width, size.height);
-    let pixmap = pixmap.ok_or_else(|| PictureError::Encoding("it has no size".to_owned()))?;
+pub(super) fn save(scene: &str, pixmap: PixmapRef<'_>) -> Result<PathBuf, PictureError> {
     let png = pixmap.encode_png().map_err(|error| PictureError::Encoding(error.to_string()))?;
     let (mut file, path) = create_new(scene)?;
     let written = file.write_all(&png);

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use pixels::wgpu::BlendState;
+use pixels::wgpu::{BlendState, SurfaceError};
 use pixels::{Pixels, PixelsBuilder, SurfaceTexture};
-use tiny_skia::PixmapMut;
+use tiny_skia::{PixmapMut, PixmapRef};
 use winit::dpi::PhysicalSize;
 use winit::window::Window;
 
@@ -16,12 +16,15 @@ use super::problem::WindowError;
 ///
 /// pixels' default formats are a pair of sRGB textures, so the bytes painted are the bytes shown.
 pub(super) struct Screen {
-    pixels: Pixels<'static>,
+    /// `None` only where making it anew has failed.
+    pixels: Option<Pixels<'static>>,
     window: Arc<Window>,
     vsync: bool,
     size: PhysicalSize<u32>,
     /// Set by the graphics library when the device has failed.
-    failed: Arc<AtomicBool>,
+    device_failed: Arc<AtomicBool>,
+    /// Frames in a row that could not be shown.
+    failures: u32,
 }
 
 /// How long the two halves of presenting took.
@@ -33,70 +36,113 @@ pub(super) struct Presented {
     pub(super) present: Duration,
 }
 
+/// After so many frames in a row that could not be shown, the device and its surface are made anew.
+const FAILURES_UNTIL_RENEWAL: u32 = 3;
+/// After so many, carom gives up.
+const FAILURES_MOST: u32 = 10;
+
 impl Screen {
-    /// A screen for the window as it is. Both sides of `size` are at least 1.
+    /// A screen for the window as it is. Both sides of `size` are at least 1. `scene` is for messages.
     pub(super) fn new(
         window: Arc<Window>,
         size: PhysicalSize<u32>,
         vsync: bool,
         scene: &str,
     ) -> Result<Self, WindowError> {
-        let surface = SurfaceTexture::new(size.width, size.height, window.clone());
-        let builder = PixelsBuilder::new(size.width, size.height, surface);
-        let pixels = builder.enable_vsync(vsync).blend_state(BlendState::REPLACE).build();
-        let pixels = pixels.map_err(|error| match error {
-            pixels::Error::InvalidTexture(_) => {
-                WindowError::TooLarge { width: size.width, height: size.height }
-            }
+        let device_failed = Arc::new(AtomicBool::new(false));
+        let mut screen = Self { pixels: None, window, vsync, size, device_failed, failures: 0 };
+        screen.renew().map_err(|error| match error {
+            pixels::Error::InvalidTexture(_) => too_large(size),
             error => WindowError::NoAdapter { reason: error.to_string(), scene: scene.to_owned() },
         })?;
-        let failed = Arc::new(AtomicBool::new(false));
+        Ok(screen)
+    }
+
+    /// Makes device, surface and framebuffer anew.
+    fn renew(&mut self) -> Result<(), pixels::Error> {
+        // A window has one surface at a time.
+        self.pixels = None;
+        let PhysicalSize { width, height } = self.size;
+        let surface = SurfaceTexture::new(width, height, self.window.clone());
+        let builder = PixelsBuilder::new(width, height, surface);
+        let pixels = builder.enable_vsync(self.vsync).blend_state(BlendState::REPLACE).build()?;
         // Without these the graphics library panics on a lost device or exhausted memory.
-        let (on_error, on_loss) = (failed.clone(), failed.clone());
+        self.device_failed.store(false, Ordering::Relaxed);
+        let (on_error, on_loss) = (self.device_failed.clone(), self.device_failed.clone());
         pixels.device().on_uncaptured_error(Arc::new(move |_| on_error.store(true, Ordering::Relaxed)));
         pixels.device().set_device_lost_callback(move |_, _| on_loss.store(true, Ordering::Relaxed));
-        Ok(Self { pixels, window, vsync, size, failed })
+        self.pixels = Some(pixels);
+        Ok(())
     }
 
     /// Follows the window's size. Both sides are at least 1.
     pub(super) fn resize(&mut self, size: PhysicalSize<u32>) -> Result<(), WindowError> {
-        if size != self.size {
-            let resized = self.pixels.resize_surface(size.width, size.height);
-            let resized = resized.and_then(|()| self.pixels.resize_buffer(size.width, size.height));
-            resized.map_err(|_| WindowError::TooLarge { width: size.width, height: size.height })?;
-            self.size = size;
+        if let Some(pixels) = &mut self.pixels {
+            let resized = pixels.resize_surface(size.width, size.height);
+            let resized = resized.and_then(|()| pixels.resize_buffer(size.width, size.height));
+            resized.map_err(|_| too_large(size))?;
         }
+        self.size = size;
         Ok(())
+    }
+
+    /// The size of the framebuffer.
+    pub(super) fn size(&self) -> PhysicalSize<u32> {
+        self.size
     }
 
     /// The framebuffer, to be painted.
     pub(super) fn pixmap(&mut self) -> Option<PixmapMut<'_>> {
-        PixmapMut::from_bytes(self.pixels.frame_mut(), self.size.width, self.size.height)
+        let PhysicalSize { width, height } = self.size;
+        PixmapMut::from_bytes(self.pixels.as_mut()?.frame_mut(), width, height)
     }
 
-    /// Shows what was painted. pixels itself recreates a surface that is lost or outdated; where the device under it has
-    /// failed, a new one is asked for, once, and shows the next frame.
+    /// What was painted last.
+    pub(super) fn painted(&self) -> Option<PixmapRef<'_>> {
+        let PhysicalSize { width, height } = self.size;
+        PixmapRef::from_bytes(self.pixels.as_ref()?.frame(), width, height)
+    }
+
+    /// Shows what was painted. A surface that is outdated or lost costs this frame, and a failed device a few; both are
+    /// made anew, and another frame is asked for.
     pub(super) fn present(&mut self) -> Result<Presented, WindowError> {
-        self.window.pre_present_notify();
         let start = Instant::now();
         let mut uploaded = start;
-        let rendered = self.pixels.render_with(|encoder, target, context| {
-            uploaded = Instant::now();
-            context.scaling_renderer.render(encoder, target);
-            Ok(())
+        self.window.pre_present_notify();
+        let rendered = self.pixels.as_ref().map(|pixels| {
+            pixels.render_with(|encoder, target, context| {
+                uploaded = Instant::now();
+                context.scaling_renderer.render(encoder, target);
+                Ok(())
+            })
         });
-        if rendered.is_err() || self.failed.load(Ordering::Relaxed) {
-            let reason =
-                rendered.err().map_or_else(|| "device failure".to_owned(), |error| error.to_string());
-            *self = Self::new(self.window.clone(), self.size, self.vsync, "")
-                .map_err(|_| WindowError::DeviceLost { reason })?;
-            self.window.request_redraw();
+        let presented = Presented { upload: uploaded - start, present: uploaded.elapsed() };
+        let failed = self.device_failed.load(Ordering::Relaxed);
+        match rendered {
+            Some(Ok(())) if !failed => self.failures = 0,
+            // pixels has reconfigured the surface already; the next frame comes at the window's new size.
+            Some(Err(pixels::Error::Surface(SurfaceError::Timeout | SurfaceError::Outdated)))
+                if !failed && self.failures < FAILURES_UNTIL_RENEWAL =>
+            {
+                self.failures += 1;
+                self.window.request_redraw();
+            }
+            rendered => {
+                self.failures += 1;
+                let renewed = self.renew();
+                if self.failures > FAILURES_MOST {
+                    let error = renewed.err().or(rendered.and_then(Result::err));
+                    let reason = error
+                        .map_or_else(|| "it fails again and again".to_owned(), |error| error.to_string());
+                    return Err(WindowError::DeviceLost { reason });
+                }
+                self.window.request_redraw();
+            }
         }
-        Ok(Presented { upload: uploaded - start, present: uploaded.elapsed() })
+        Ok(presented)
     }
+}
 
-    /// The pixels of the last frame, RGBA.
-    pub(super) fn bytes(&self) -> (&[u8], PhysicalSize<u32>) {
-        (self.pixels.frame(), self.size)
-    }
+fn too_large(size: PhysicalSize<u32>) -> WindowError {
+    WindowError::TooLarge { width: size.width, height: size.height }
 }
