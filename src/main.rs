@@ -139,12 +139,11 @@ fn list_scenes(json: bool) -> Result<(), Failure> {
 
 /// The scenes as a table for people.
 fn table(list: &[carom::scene::Listing]) -> String {
-    let mut text =
-        format!("{:<10} {:>5}  {:<8} {:<34} {:<34}\n", "scene", "balls", "solver", "uses", "leaves out");
+    let mut text = format!("{:<10} {:>5}  {:<8} {:<40} leaves out\n", "scene", "balls", "solver", "uses");
     for scene in list {
         let (uses, leaves_out) = (scene.uses.join(", "), scene.leaves_out.join(", "));
         let line =
-            format!("{:<10} {:>5}  {:<8} {uses:<34} {leaves_out:<34}", scene.name, scene.balls, scene.solver);
+            format!("{:<10} {:>5}  {:<8} {uses:<40} {leaves_out}", scene.name, scene.balls, scene.solver);
         text += &format!("{}\n{:<16}  {}\n", line.trim_end(), "", scene.about);
     }
     text

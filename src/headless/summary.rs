@@ -98,7 +98,9 @@ impl fmt::Display for Summary {
         writeln!(f, "impacts      {} between balls, {} on walls", self.collisions, self.wall_hits)?;
         write!(f, "energy       {energy:.6e}, at the start {:.6e}", self.energy_start)?;
         if self.energy_start > 0.0 {
-            write!(f, " ({:+.3} %)", 100.0 * (energy / self.energy_start - 1.0))?;
+            // Adding zero turns a rounded −0 into 0.
+            let change = (1e5 * (energy / self.energy_start - 1.0)).round() / 1e3 + 0.0;
+            write!(f, " ({change:+.3} %)")?;
         }
         writeln!(f)?;
         writeln!(f, "momentum     [{:.6e}, {:.6e}]", self.momentum[0], self.momentum[1])?;

@@ -55,10 +55,10 @@ impl Material {
     }
 }
 
-/// How often a place is drawn, on average per ball, before the lattice is tried.
-const DRAWS_PER_BALL: usize = 200;
-/// Draws that are always allowed, so that few balls get a fair chance.
-const DRAWS_LEAST: usize = 10_000;
+/// How often a place is drawn for one ball.
+const DRAWS_MOST: u32 = 5000;
+/// After so many balls in a row without a place the room counts as jammed.
+const JAMMED: u32 = 4;
 /// How closely the pitch of the lattice is sought: halvings of the interval that it lies in.
 const PITCH_STEPS: u32 = 40;
 
@@ -132,26 +132,27 @@ const ADDED_RADIUS: f64 = 24.0;
 /// The highest speed of an added ball, px/s.
 const ADDED_SPEED: f64 = 400.0;
 
-/// Places drawn at random, each with the index of its radius; fewer than radii where the draws ran out.
+/// Places drawn at random, each with the index of its radius; fewer than radii where the room is jammed.
 fn throw(rng: &mut ChaCha8Rng, room: &Room, radii: &[f64], present: &[Ball]) -> Vec<(usize, DVec2)> {
     let mut order: Vec<usize> = (0..radii.len()).collect();
     order.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
     let widest = order.first().map_or(1.0, |&first| radii[first]);
     let mut taken = Taken::new(room, widest, present, radii.len());
-    let mut draws = DRAWS_LEAST.saturating_add(DRAWS_PER_BALL.saturating_mul(radii.len()));
     let mut places = Vec::with_capacity(radii.len());
+    let mut failures = 0;
     for index in order {
         let radius = radii[index];
         let (low, high) = (room.low + radius, room.high - radius);
-        if !high.cmpge(low).all() {
-            continue;
-        }
-        while draws > 0 {
-            draws -= 1;
-            let at = low + (high - low) * DVec2::new(rng.random(), rng.random());
-            if taken.is_free(at, radius) {
-                taken.take(at, radius);
-                places.push((index, at));
+        let mut draw = || low + (high - low) * DVec2::new(rng.random(), rng.random());
+        let fits = high.cmpge(low).all();
+        let free = (0..DRAWS_MOST).map(|_| draw()).find(|&at| fits && taken.is_free(at, radius));
+        if let Some(at) = free {
+            taken.take(at, radius);
+            places.push((index, at));
+            failures = 0;
+        } else {
+            failures += 1;
+            if failures == JAMMED {
                 break;
             }
         }
