@@ -2,10 +2,13 @@
 
 mod cli;
 
-use std::io;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use carom::headless::{self, Frames, Run, RunError};
+use carom::paint::AnimationError;
+#[cfg(feature = "window")]
+use carom::window::WindowError;
 use carom::{Scene, SceneError};
 use clap::Parser;
 use thiserror::Error;
@@ -24,7 +27,8 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) if failure.is_broken_pipe() => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("carom: {failure}");
+            // Where standard error is gone, too, the exit code still tells.
+            let _ = writeln!(io::stderr(), "carom: {failure}");
             failure.exit_code()
         }
     }
@@ -43,11 +47,10 @@ enum Failure {
     Stdout(#[from] io::Error),
     #[cfg(feature = "window")]
     #[error(transparent)]
-    Window(#[from] carom::window::WindowError),
+    Window(#[from] WindowError),
     #[cfg(not(feature = "window"))]
     #[error(
-        "this carom was built without its window; build it with the default features, or run without one:\n  \
-         carom run {0} --gif {0}.gif"
+        "this carom was built without its window; build it with the default features, or call carom run {0}"
     )]
     NoWindow(String),
 }
@@ -59,8 +62,14 @@ impl Failure {
             Self::Scene(_)
             | Self::OutOfRange(_)
             | Self::Run(
-                RunError::Scene(_) | RunError::Frames(_) | RunError::TwoOnStdout | RunError::Picture(_),
+                RunError::Scene(_)
+                | RunError::Frames(_)
+                | RunError::SameOutput { .. }
+                | RunError::Picture(_)
+                | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
             ) => ExitCode::from(2),
+            #[cfg(feature = "window")]
+            Self::Window(WindowError::Scene(_) | WindowError::TooLarge { .. }) => ExitCode::from(2),
             _ => ExitCode::from(1),
         }
     }
@@ -154,7 +163,6 @@ fn print_scene(name: &str) -> Result<(), Failure> {
 }
 
 fn write_stdout(text: &str) -> io::Result<()> {
-    use io::Write;
     let mut stdout = io::stdout().lock();
     stdout.write_all(text.as_bytes())?;
     stdout.flush()

@@ -12,8 +12,8 @@ use crate::simulation::{Ball, BuildError, Simulation, Solver, World};
 /// The slowest and the fastest time scale.
 pub const TIME_SCALES: (f64, f64) = (1.0 / 64.0, 16.0);
 /// The longest delta that a frame may measure, s. A frame that took longer (a hitch, a suspended machine, a window that
-/// was hidden) advances by this much, so that the simulation pauses rather than leaps: `canvas` would carry balls
-/// through each other.
+/// was hidden) advances by this much times the time scale, so that the simulation pauses rather than leaps: `canvas`
+/// would carry balls through each other.
 pub const LONGEST_FRAME: f64 = 0.1;
 /// The delta of a single step while paused, s.
 pub const STEP: f64 = 1.0 / 60.0;

@@ -127,6 +127,13 @@ fn results_on_standard_output_are_not_mixed_with_the_summary() {
     assert!(output.stdout.starts_with(b"\x89PNG\r\n\x1a\n") && output.stdout.ends_with(b"IEND\xaeB`\x82"));
     assert!(stderr(&output).contains("draw with 1 balls"), "{}", stderr(&output));
     fail(&here, &["run", "draw", "--image", "-", "--trace", "-"], 2, "two outputs go to standard output");
+    fail(
+        &here,
+        &["run", "draw", "--image", "-", "--trace", "/dev/stdout"],
+        2,
+        "two outputs go to standard output",
+    );
+    fail(&here, &["run", "draw", "--image", "it", "--trace", "./it"], 2, "two outputs go to it;");
 }
 
 #[test]
@@ -149,6 +156,22 @@ fn a_gif_lasts_as_long_as_the_simulated_time_at_any_frame_rate() {
         assert!((200..=202).contains(&shown), "{fps} fps: {shown}");
         assert!(shortest >= 2, "browsers slow down frames of 1/100 s");
     }
+}
+
+#[test]
+fn a_gif_of_an_hour_lasts_an_hour() {
+    let here = folder();
+    succeed(
+        &here,
+        &["run", "draw", "--size", "200x200", "--seconds", "3600", "--fps", "1", "--gif", "it.gif"],
+    );
+    let file = fs::File::open(here.path().join("it.gif")).unwrap();
+    let mut decoder = gif::DecodeOptions::new().read_info(file).unwrap();
+    let mut shown = 0;
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        shown += u32::from(frame.delay);
+    }
+    assert_eq!(shown, 360_000);
 }
 
 #[test]
@@ -219,6 +242,43 @@ fn a_full_device_is_an_error_and_a_closed_pipe_is_not() {
     assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_reader_that_goes_away_takes_no_file_with_it() {
+    let here = folder();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_carom"))
+        .args(["run", "gravity", "--seconds", "20", "--trace", "-", "--image", "last.png"])
+        .current_dir(here.path())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+    assert!(tiny_skia::Pixmap::load_png(here.path().join("last.png")).is_ok());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_exit_code_tells_even_where_standard_error_is_full() {
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let status =
+        Command::new(env!("CARGO_BIN_EXE_carom")).args(["run", "nosuch"]).stderr(full).status().unwrap();
+    assert_eq!(status.code(), Some(2));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_replaced_file_keeps_its_mode_and_a_new_one_has_the_usual() {
+    use std::os::unix::fs::PermissionsExt;
+    let here = folder();
+    let mode = |name| fs::metadata(here.path().join(name)).unwrap().permissions().mode() & 0o777;
+    fs::write(here.path().join("usual"), "").unwrap();
+    fs::write(here.path().join("private"), "").unwrap();
+    fs::set_permissions(here.path().join("private"), fs::Permissions::from_mode(0o600)).unwrap();
+    succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "new", "--image", "private"]);
+    assert_eq!((mode("private"), mode("new")), (0o600, mode("usual")));
+}
+
 #[test]
 fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
     let here = folder();
@@ -250,6 +310,9 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         (&["run", "draw", "--balls", "99999999999"], "balls are too many; the most is 10000000"),
         (&["run", "gravity", "--size", "100x100"], "wider than the world (100x100 px)"),
         (&["run", "draw", "--size", "100000x100000", "--image", "it.png"], "give a smaller --size"),
+        (&["run", "draw", "--size", "70000x10", "--gif", "it.gif"], "at most 65535x65535 px"),
+        #[cfg(feature = "window")]
+        (&["gravity", "--size", "100x100"], "wider than the world (100x100 px)"),
         (&["nosuch"], "there is no scene \"nosuch\""),
         (&["--scale", "0"], "such as 0.5"),
     ];

@@ -105,6 +105,8 @@ const WRONG: &[(&str, usize, &str)] = &[
     ("solver = \"magic\"", 1, "there is no solver \"magic\" in this version; choose from: canvas"),
     ("\n[walls]\nrestitution = 1.5", 3, "restitution is 1.5; it must be from 0 to 1"),
     ("[walls]\nbounce = 1", 2, "unknown field `bounce`, expected `restitution`"),
+    ("walls = true", 1, "expected a table: [walls]"),
+    ("[ball]\nposition = [1, 2]\nradius = 3", 1, "write its name in two brackets: [[ball]], [[fill]]"),
     ("[pairs]\nresponse = \"stick\"", 2, "unknown variant `stick`, expected `impulse` or `detect`"),
     ("[[ball]]\nposition = [1, 2]", 1, "missing field `radius`"),
     ("[[ball]]\nradius = 5", 1, "missing field `position`"),

@@ -1,7 +1,7 @@
 //! The deltas of a run: even ones at a frame rate, or those of a file.
 
-use std::fs;
-use std::io;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -61,6 +61,8 @@ const RATES: (f64, f64) = (1e-6, 1e9);
 const LONGEST: f64 = 1e9;
 /// The most frames of a run.
 const MOST_FRAMES: f64 = 1e15;
+/// The longest file of deltas, bytes: ten million frames.
+const LONGEST_FILE: u64 = 1 << 28;
 /// Time that is a whole number of frames but for this part of one is a whole number of frames.
 const ROUNDING: f64 = 1e-6;
 
@@ -98,8 +100,7 @@ impl Frames {
     /// # Errors
     /// [`FramesError`] where it cannot be read, or a line is not a delta.
     pub fn read(path: &Path) -> Result<Self, FramesError> {
-        let text = fs::read_to_string(path)
-            .map_err(|source| FramesError::Unreadable { path: path.to_owned(), source })?;
+        let text = read(path).map_err(|source| FramesError::Unreadable { path: path.to_owned(), source })?;
         let mut deltas = Vec::new();
         for (line, entry) in (1..).zip(text.lines().map(str::trim)) {
             if entry.is_empty() || entry.starts_with('#') {
@@ -139,6 +140,15 @@ impl Frames {
             Kind::Listed(deltas) => deltas[frame as usize],
         }
     }
+}
+
+fn read(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    File::open(path)?.take(LONGEST_FILE + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LONGEST_FILE {
+        return Err(io::Error::other(format!("the file has more than {LONGEST_FILE} bytes")));
+    }
+    Ok(text)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ mod output;
 mod summary;
 
 use std::io::{self, IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -69,24 +69,31 @@ pub enum RunError {
         /// What is wrong.
         source: AnimationError,
     },
-    /// More than one output goes to standard output.
-    #[error("two outputs go to standard output; give one of them a file's path instead of -")]
-    TwoOnStdout,
+    /// Two outputs go to the same place.
+    #[error("two outputs go to {}; give each a path of its own", place(path))]
+    SameOutput {
+        /// Where both should go.
+        path: PathBuf,
+    },
 }
 
 impl RunError {
     /// Whether the reader of standard output went away, as `head` does: a reason to stop, not to complain.
     #[must_use]
     pub fn is_broken_pipe(&self) -> bool {
-        let kind = match self {
-            Self::Output(error) => error.source.kind(),
-            Self::Animation { source: AnimationError::Encoding(gif::EncodingError::Io(error)), .. } => {
-                error.kind()
+        match self {
+            Self::Output(error) => error.is_broken_pipe(),
+            Self::Animation { source: AnimationError::Encoding(gif::EncodingError::Io(error)), path } => {
+                output::is_stdout(path) && error.kind() == io::ErrorKind::BrokenPipe
             }
-            _ => return false,
-        };
-        kind == io::ErrorKind::BrokenPipe
+            _ => false,
+        }
     }
+}
+
+/// A path as a message says it.
+fn place(path: &Path) -> String {
+    if output::is_stdout(path) { "standard output".to_owned() } else { path.display().to_string() }
 }
 
 /// How long a run takes before it shows its progress.
@@ -136,14 +143,18 @@ struct Outputs {
 
 impl Outputs {
     fn create(run: &Run, simulation: &Simulation) -> Result<Self, RunError> {
+        let mut places = Vec::new();
+        for path in [&run.trace, &run.image, &run.gif, &run.summary].into_iter().flatten() {
+            let place = output::place(path);
+            if places.contains(&place) {
+                return Err(RunError::SameOutput { path: path.clone() });
+            }
+            places.push(place);
+        }
         let create = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
         let (trace, image) = (create(&run.trace)?, create(&run.image)?);
         let (gif, summary) = (create(&run.gif)?, create(&run.summary)?);
-        let on_stdout = [&trace, &image, &gif, &summary].into_iter().flatten().filter(|out| out.is_stdout());
-        let on_stdout = on_stdout.count();
-        if on_stdout > 1 {
-            return Err(RunError::TwoOnStdout);
-        }
+        let stdout_taken = places.iter().any(|place| output::is_stdout(place));
         let canvas = (image.is_some() || gif.is_some()).then(|| paint::blank(simulation.world().size()));
         let canvas = canvas.transpose()?;
         let gif = match (gif, &canvas, &run.gif) {
@@ -154,7 +165,7 @@ impl Outputs {
             }
             _ => None,
         };
-        let mut outputs = Self { trace, image, gif, summary, canvas, stdout_taken: on_stdout > 0 };
+        let mut outputs = Self { trace, image, gif, summary, canvas, stdout_taken };
         outputs.write_trace(|trace| writeln!(trace, "frame,time,ball,x,y,vx,vy,colliding"))?;
         Ok(outputs)
     }
@@ -181,40 +192,49 @@ impl Outputs {
     }
 
     fn write_trace(&mut self, write: impl FnOnce(&mut Output) -> io::Result<()>) -> Result<(), OutputError> {
-        match &mut self.trace {
-            Some(trace) => write(trace).map_err(|error| trace.error(error)),
-            None => Ok(()),
+        let Some(trace) = &mut self.trace else { return Ok(()) };
+        let Err(error) = write(trace) else { return Ok(()) };
+        let error = trace.error(error);
+        if error.is_broken_pipe() && (self.image.is_some() || self.gif.is_some() || self.summary.is_some()) {
+            // Nobody reads on, but the files are still wanted.
+            self.trace = None;
+            return Ok(());
         }
+        Err(error)
     }
 
+    /// Completes every output that can be, and then tells of the first that could not.
     fn finish(self, simulation: &Simulation, summary: &Summary) -> Result<(), RunError> {
-        if let Some(trace) = self.trace {
-            trace.finish()?;
-        }
-        if let Some((animation, path)) = self.gif {
+        let Self { trace, image, gif, summary: json, canvas, stdout_taken } = self;
+        let traced = trace.map_or(Ok(()), Output::finish);
+        let animated: Result<(), RunError> = gif.map_or(Ok(()), |(animation, path)| {
             let finished = animation.finish(simulation.time());
-            finished.map_err(|source| RunError::Animation { path, source })?.finish()?;
-        }
-        if let (Some(mut image), Some(mut canvas)) = (self.image, self.canvas) {
+            Ok(finished.map_err(|source| RunError::Animation { path, source })?.finish()?)
+        });
+        let painted = image.zip(canvas).map_or(Ok(()), |(image, mut canvas)| {
             paint::paint(simulation, 1.0, &mut canvas.as_mut());
             let png = canvas.encode_png().map_err(|error| image.error(io::Error::other(error)))?;
-            image.write_all(&png).map_err(|error| image.error(error))?;
-            image.finish()?;
-        }
-        let (mut output, text) = match self.summary {
-            Some(output) => {
-                let json = serde_json::to_string_pretty(summary).map_err(io::Error::from);
-                let json = json.map_err(|error| output.error(error))?;
-                (output, json)
+            image.complete(&png)
+        });
+        let summarised = match json {
+            Some(output) => match serde_json::to_string_pretty(summary) {
+                Ok(json) => output.complete(format!("{json}\n").as_bytes()),
+                Err(error) => Err(output.error(error.into())),
+            },
+            None if stdout_taken => {
+                // Standard error may be gone; the results are not there.
+                let _ = writeln!(io::stderr(), "{summary}");
+                Ok(())
             }
-            None if self.stdout_taken => {
-                eprintln!("{summary}");
-                return Ok(());
+            None => {
+                let text = format!("{summary}\n");
+                Output::create("-".as_ref()).and_then(|stdout| stdout.complete(text.as_bytes()))
             }
-            None => (Output::create("-".as_ref())?, summary.to_string()),
         };
-        writeln!(output, "{text}").map_err(|error| output.error(error))?;
-        output.finish()?;
+        traced?;
+        animated?;
+        painted?;
+        summarised?;
         Ok(())
     }
 }
@@ -241,7 +261,6 @@ impl Progress {
     }
 
     fn show(&mut self, frame: u64) {
-        // Looking at the clock once in 64 frames is often enough, but frames may be long where balls are many.
         if let Some(bar) = &self.bar {
             bar.set_position(frame);
         } else if self.start.elapsed() > PATIENCE && io::stderr().is_terminal() {

@@ -9,12 +9,48 @@ use thiserror::Error;
 
 /// Why an output was not written.
 #[derive(Debug, Error)]
-#[error("{}: {source}; nothing was written there; check that the folder exists, may be written to and has room", path.display())]
+#[error("{}: {source}{}", super::place(path), remedy(path))]
 pub struct OutputError {
     /// Where it should have gone.
     pub path: PathBuf,
     /// What the system said.
     pub source: io::Error,
+}
+
+impl OutputError {
+    /// Whether the reader of standard output went away.
+    #[must_use]
+    pub fn is_broken_pipe(&self) -> bool {
+        is_stdout(&self.path) && self.source.kind() == io::ErrorKind::BrokenPipe
+    }
+}
+
+/// What to do about an output that failed; nothing where it was standard output.
+fn remedy(path: &Path) -> &'static str {
+    if is_stdout(path) {
+        ""
+    } else {
+        "; no file was written; check that the folder exists, may be written to and has room"
+    }
+}
+
+/// Whether this path means standard output.
+pub(super) fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-") || path == Path::new("/dev/stdout")
+}
+
+/// The same for all paths to the same place, as far as links to existing files and folders tell.
+pub(super) fn place(path: &Path) -> PathBuf {
+    if is_stdout(path) {
+        return "-".into();
+    }
+    let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
+    fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
+}
+
+/// The folder that a file is in.
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// An output being written. What goes to a file stands in a temporary one beside it until [`finish`](Self::finish);
@@ -38,11 +74,11 @@ impl Output {
     /// [`OutputError`] where nothing can be written there.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
         let wrong = |source| OutputError { path: path.to_owned(), source };
-        if path == Path::new("-") {
+        if is_stdout(path) {
             let target = Target::Stdout(BufWriter::new(io::stdout()));
             return Ok(Self { path: path.to_owned(), target });
         }
-        // A link's target is replaced, not the link.
+        // The target of a link to a file is replaced, not the link.
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let target = match fs::metadata(&path) {
             Ok(found) if found.is_dir() => return Err(wrong(io::ErrorKind::IsADirectory.into())),
@@ -55,10 +91,13 @@ impl Output {
         Ok(Self { path, target })
     }
 
-    /// Whether this is standard output.
-    #[must_use]
-    pub fn is_stdout(&self) -> bool {
-        matches!(self.target, Target::Stdout(_))
+    /// Writes all of the output at once, and puts it in its place.
+    ///
+    /// # Errors
+    /// [`OutputError`] where it cannot be written.
+    pub fn complete(mut self, bytes: &[u8]) -> Result<(), OutputError> {
+        self.write_all(bytes).map_err(|error| self.error(error))?;
+        self.finish()
     }
 
     /// Puts the output in its place.
@@ -103,7 +142,6 @@ impl Write for Output {
 }
 
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".carom-");
     #[cfg(unix)]
@@ -112,5 +150,10 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
         // As any program's file: what the user's umask leaves of rw-rw-rw-, not the private mode of temporary files.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder)
+    let file = builder.tempfile_in(folder(path)).map_err(|error| io::Error::from(error.kind()))?;
+    if let Ok(replaced) = fs::metadata(path) {
+        // What others may not read, they still may not.
+        file.as_file().set_permissions(replaced.permissions())?;
+    }
+    Ok(file)
 }

@@ -89,8 +89,16 @@ impl<W: Write> Animation<W> {
 
     fn write_waiting(&mut self, until: u64) -> Result<(), AnimationError> {
         if let Some((mut frame, since)) = self.waiting.take() {
-            let delay = until.saturating_sub(since).max(SHOWN_LEAST);
-            frame.delay = u16::try_from(delay).unwrap_or(u16::MAX);
+            let mut left = until.saturating_sub(since).max(SHOWN_LEAST);
+            // A frame is shown for at most eleven minutes; another that changes nothing goes on from there.
+            while left > u64::from(u16::MAX) {
+                frame.delay = u16::MAX - SHOWN_LEAST as u16;
+                left -= u64::from(frame.delay);
+                self.encoder.write_frame(&frame)?;
+                let (width, height, buffer) = (1, 1, vec![UNCHANGED].into());
+                frame = Frame { width, height, buffer, transparent: Some(UNCHANGED), ..Frame::default() };
+            }
+            frame.delay = left as u16;
             self.encoder.write_frame(&frame)?;
         }
         Ok(())

@@ -79,7 +79,7 @@ pub(crate) fn disc(pixmap: &mut PixmapMut<'_>, centre: DVec2, radius: f64, colou
     }
 }
 
-/// How far a circle's polygon may leave the circle, px.
+/// How far a circle's polygon may leave the circle, px; farther only for circles that no screen holds.
 const SAGITTA: f64 = 0.05;
 
 /// A circle as a polygon of the same area, for tiny-skia to fill.

@@ -27,10 +27,16 @@ pub(super) const SEED_DEFAULT: u64 = 1;
 pub(super) fn parse(origin: &str, source: &str) -> Result<Scene, Fault> {
     let fault = |at: At| Fault::at(origin, source, at.offset, at.message);
     let file: File = toml::from_str(source).map_err(|error| {
-        fault(At { offset: error.span().map(|span| span.start), message: error.message().to_owned() })
+        // The one message of the parser's that does not say what to write.
+        let message = error.message().replace("invalid type: map, expected a sequence", ONE_BRACKET);
+        fault(At { offset: error.span().map(|span| span.start), message })
     })?;
     file.into_scene(origin).map_err(fault)
 }
+
+/// What is said of `[ball]` and `[fill]`.
+const ONE_BRACKET: &str =
+    "this table may come more than once; write its name in two brackets: [[ball]], [[fill]]";
 
 /// A message and the byte that it is about.
 struct At {
@@ -70,20 +76,20 @@ struct File {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table: [walls]")]
 struct WallsTable {
     restitution: Option<Spanned<Number>>,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table: [pairs]")]
 struct PairsTable {
     #[serde(default)]
     response: Response,
 }
 
 #[derive(Deserialize, Default)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "lowercase", expecting = "\"impulse\" or \"detect\"")]
 enum Response {
     #[default]
     Impulse,
@@ -91,7 +97,7 @@ enum Response {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table: [[ball]]")]
 struct BallTable {
     position: Spanned<Pair>,
     radius: Spanned<Number>,
@@ -101,7 +107,7 @@ struct BallTable {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table: [[fill]]")]
 struct FillTable {
     count: Spanned<Count>,
     radius: Spanned<Interval>,

@@ -59,8 +59,13 @@ impl Material {
 const DRAWS_MOST: u32 = 5000;
 /// After so many balls in a row without a place the room counts as jammed.
 const JAMMED: u32 = 4;
+/// The most sites per ball of a lattice that is tried, beside [`SITES_FREE`]: where there are more, it is not the balls'
+/// own density that leaves no place.
+const SITES_PER_BALL: f64 = 8.0;
+/// Sites that a lattice may always have.
+const SITES_FREE: f64 = 1e5;
 /// How closely the pitch of the lattice is sought: halvings of the interval that it lies in.
-const PITCH_STEPS: u32 = 40;
+const PITCH_STEPS: u32 = 20;
 
 impl Fill {
     /// As many of the fill's balls as find room among `present` in `world`; `stream` sets fills of one seed apart.
@@ -71,8 +76,10 @@ impl Fill {
         rng.set_stream(stream);
         let radii: Vec<f64> = (0..self.count).map(|_| between(&mut rng, self.radius)).collect();
 
+        // Balls that cover more than there is need no second trial.
+        let covered: f64 = radii.iter().map(|radius| PI * radius * radius).sum();
         let mut places = throw(&mut rng, &room, &radii, present);
-        if places.len() < self.count {
+        if places.len() < self.count && covered < room.area() {
             let on_lattice = lay_out(&mut rng, &room, &radii, self.radius.1, present);
             if on_lattice.len() == self.count {
                 places = on_lattice;
@@ -171,14 +178,15 @@ fn lay_out(
     let taken = Taken::new(room, widest, present, 0);
     let sites = |pitch: f64| lattice(room, pitch, widest, &taken);
     let tightest = 2.0 * widest;
-    if room.lattice_size(tightest, widest) < radii.len() {
+    let count = radii.len() as f64;
+    if !(count..=SITES_PER_BALL * count + SITES_FREE).contains(&room.lattice_size(tightest, widest)) {
         return Vec::new();
     }
     // The widest pitch that still has a site for each ball.
     let (mut low, mut high) = (tightest, (room.high - room.low).max_element().max(tightest));
     for _ in 0..PITCH_STEPS {
         let middle = f64::midpoint(low, high);
-        if room.lattice_size(middle, widest) >= radii.len() && sites(middle).len() >= radii.len() {
+        if room.lattice_size(middle, widest) >= count && sites(middle).len() >= radii.len() {
             low = middle;
         } else {
             high = middle;
@@ -248,14 +256,19 @@ struct Room {
 }
 
 impl Room {
-    /// About how many sites a lattice has here, from above: enough to refuse what can never fit.
-    fn lattice_size(&self, pitch: f64, widest: f64) -> usize {
+    fn area(&self) -> f64 {
+        let extent = self.high - self.low;
+        extent.x * extent.y
+    }
+
+    /// How many sites a lattice has here at the most: enough to refuse what can never fit.
+    fn lattice_size(&self, pitch: f64, widest: f64) -> f64 {
         let inner = self.high - self.low - 2.0 * widest;
         if inner.min_element() < 0.0 {
-            return 0;
+            return 0.0;
         }
         let rows = inner.y / (pitch * 3.0_f64.sqrt() / 2.0) + 1.0;
-        ((inner.x / pitch + 1.0).floor() * rows.floor()) as usize
+        (inner.x / pitch + 1.0).floor() * rows.floor()
     }
 }
 
@@ -388,6 +401,17 @@ mod tests {
         assert!(balls.len() < 40 && balls.len() > 10, "{}", balls.len());
         let tiny = fill(10, (20.0, 20.0)).place(&world(30.0, 30.0), &[], 0);
         assert!(tiny.is_empty());
+    }
+
+    #[test]
+    fn fills_that_can_never_fit_are_given_up_soon() {
+        let world = world(1280.0, 720.0);
+        assert!(fill(1_000_000, (5.0, 5.0)).place(&world, &[], 0).len() < 10_000);
+        // A grain where a large ball leaves no place: a lattice of its size would have 10¹⁵ sites.
+        let large = [Ball::new(DVec2::new(640.0, 360.0), 360.0).unwrap()];
+        let region = Some((DVec2::new(600.0, 300.0), DVec2::new(700.0, 400.0)));
+        let grain = Fill { region, ..fill(1, (1e-6, 1e-6)) };
+        assert!(grain.place(&world, &large, 0).is_empty());
     }
 
     #[test]

@@ -54,14 +54,20 @@ impl Advance for Canvas {
             (true, true) => move_balls::<true, true>(frame, seconds),
         }
         match (&mut self.search, self.impulse) {
+            // A single ball may have touched one that is gone.
+            (Search::Nothing, _) if frame.world.pairs.is_some() => frame.touching.fill(false),
             (Search::Nothing, _) => {}
             (Search::AllPairs, None) => all_pairs(frame, show),
             (Search::AllPairs, Some(Form::Elastic)) => all_pairs(frame, collide::<true>),
             (Search::AllPairs, Some(Form::Inelastic)) => all_pairs(frame, collide::<false>),
             (Search::Grid(grid), None) => {
-                // Flags are the same in any order.
-                grid.find(frame.balls);
-                in_order(grid, frame, show);
+                // Flags are the same in any order, so no pair is kept.
+                frame.touching.fill(false);
+                let Frame { balls, touching, .. } = frame;
+                grid.for_each(balls, |i, j| {
+                    touching[i as usize] = true;
+                    touching[j as usize] = true;
+                });
             }
             (Search::Grid(grid), Some(form)) => {
                 grid.find(frame.balls);

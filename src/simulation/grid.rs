@@ -46,32 +46,33 @@ const MARGIN: f64 = 1.0 + EDGE;
 const FAR: f64 = (1_u64 << 40) as f64;
 /// Adding this to a number of less than 2⁵¹ leaves its nearest integer in the low bits of the sum.
 const ROUND_TO_BITS: f64 = 1.5 * (1_u64 << 52) as f64;
+/// The fewest cells on an axis: with four, a cell's neighbours on both sides are different cells.
+const FEWEST: usize = 4;
 /// Marks a ball that is kept out of the cells.
 const NO_CELL: u32 = u32::MAX;
 
 impl Grid {
-    /// A grid with cells that suit the radii of `balls`, spread over about `size` px. It stays right, if not fast, for
-    /// any other balls.
+    /// A grid with cells that suit the radii of `balls` in a world of `size` px. It stays right, if not fast, for any
+    /// other balls.
     #[must_use]
     pub fn new(balls: &[Ball], size: DVec2) -> Self {
         let reach = reach(balls);
-        // No more than about two cells a ball: sparse worlds get larger cells rather than a longer table.
-        let most = (2 * balls.len()).max(16);
-        let side = |length: f64| {
-            let cells = length / (2.0 * MARGIN * reach);
-            let mut count = 4;
-            while count * 2 <= most && (count * 2) as f64 <= cells {
-                count *= 2;
-            }
-            count
+        let least = 2.0 * MARGIN * reach;
+        // The cells of an axis that its length has room for, and their width.
+        let axis = |length: f64| {
+            let count =
+                (1..32).map(|power| 2_usize << power).take_while(|&count| count as f64 * least <= length);
+            let count = count.last().unwrap_or(FEWEST);
+            (count, (length / count as f64).max(least))
         };
-        let (mut columns, mut rows) = (side(size.x), side(size.y));
-        while columns * rows > most && columns.max(rows) > 4 {
+        let ((mut columns, width), (mut rows, height)) = (axis(size.x), axis(size.y));
+        // About two cells a ball are enough: in a wide world the torus goes round more than once.
+        let most = (2 * balls.len()).max(FEWEST * FEWEST);
+        while columns * rows > most {
             if columns > rows { columns /= 2 } else { rows /= 2 }
         }
-        let width = (size / DVec2::new(columns as f64, rows as f64)).max(DVec2::splat(2.0 * MARGIN * reach));
         Self {
-            density: width.recip(),
+            density: DVec2::new(width, height).recip(),
             columns,
             rows,
             reach,
@@ -87,10 +88,17 @@ impl Grid {
     ///
     /// Balls with a NaN or an infinity touch nothing.
     pub fn find(&mut self, balls: &[Ball]) {
-        self.touching.clear();
+        let mut touching = std::mem::take(&mut self.touching);
+        touching.clear();
+        self.for_each(balls, |i, j| touching.push((i, j)));
+        self.touching = touching;
+    }
+
+    /// Calls `contact` with each pair (i, j), i < j, that touches, in no particular order, and keeps none of them.
+    pub fn for_each(&mut self, balls: &[Ball], mut contact: impl FnMut(u32, u32)) {
         self.sort_into_cells(balls);
-        self.compare_neighbours();
-        self.compare_large();
+        self.compare_neighbours(&mut contact);
+        self.compare_large(&mut contact);
     }
 
     /// Brings the pairs found into the order in which a loop over i and j > i meets them.
@@ -142,8 +150,8 @@ impl Grid {
 
     /// Compares each ball in a cell with those after it there, and with those of the cells east, south-west, south
     /// and south-east: each pair of neighbouring cells is visited once.
-    fn compare_neighbours(&mut self) {
-        let Self { columns, rows, starts, sorted, touching, .. } = self;
+    fn compare_neighbours(&self, contact: &mut impl FnMut(u32, u32)) {
+        let Self { columns, rows, starts, sorted, .. } = self;
         let (last_column, last_row) = (*columns - 1, *rows - 1);
         let range = |first: usize, last: usize| starts[first] as usize..starts[last + 1] as usize;
         for row in 0..*rows {
@@ -169,11 +177,11 @@ impl Grid {
                 };
                 for at in own {
                     let ball = &sorted[at];
-                    compare(ball, &sorted[at + 1..east.end], touching);
-                    compare(ball, &sorted[below.clone()], touching);
+                    compare(ball, &sorted[at + 1..east.end], contact);
+                    compare(ball, &sorted[below.clone()], contact);
                     if !(seam_east.is_empty() && seam_below.is_empty()) {
-                        compare(ball, &sorted[seam_east.clone()], touching);
-                        compare(ball, &sorted[seam_below.clone()], touching);
+                        compare(ball, &sorted[seam_east.clone()], contact);
+                        compare(ball, &sorted[seam_below.clone()], contact);
                     }
                 }
             }
@@ -181,17 +189,17 @@ impl Grid {
     }
 
     /// Compares each large ball with the cells that it reaches, and with the other large ones.
-    fn compare_large(&mut self) {
-        let Self { density, columns, rows, reach, starts, sorted, large, touching, .. } = self;
+    fn compare_large(&self, contact: &mut impl FnMut(u32, u32)) {
+        let Self { density, columns, rows, reach, starts, sorted, large, .. } = self;
         for (at, ball) in large.iter().enumerate() {
-            compare(ball, &large[at + 1..], touching);
+            compare(ball, &large[at + 1..], contact);
             let arm = DVec2::splat(ball.radius + *reach);
             let low = (ball.position - arm) * *density - EDGE;
             let high = (ball.position + arm) * *density + EDGE;
             for row in span(low.y, high.y, *rows) {
                 for column in span(low.x, high.x, *columns) {
                     let cell = (row % *rows) * *columns + column % *columns;
-                    compare(ball, &sorted[starts[cell] as usize..starts[cell + 1] as usize], touching);
+                    compare(ball, &sorted[starts[cell] as usize..starts[cell + 1] as usize], contact);
                 }
             }
         }
@@ -204,15 +212,22 @@ impl Entry {
     }
 }
 
-/// The radius that the cells are made for: the largest, unless it is out of proportion to the median.
+/// The radius that the cells are made for: the one with the fewest comparisons, where those of the balls in cells grow
+/// with the cells' area over that of the balls, and those of the larger balls among each other with their square.
 fn reach(balls: &[Ball]) -> f64 {
     let mut radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
-    if radii.is_empty() {
-        return 1.0;
-    }
-    let middle = radii.len() / 2;
-    let (_, &mut median, above) = radii.select_nth_unstable_by(middle, f64::total_cmp);
-    above.iter().copied().fold(median, f64::max).min(2.0 * median)
+    radii.sort_unstable_by(f64::total_cmp);
+    let (Some(&smallest), Some(&largest)) = (radii.first(), radii.last()) else { return 1.0 };
+    let comparisons = |reach: f64| {
+        let small = radii.partition_point(|&radius| radius <= reach);
+        let large = (radii.len() - small) as f64;
+        let squares: f64 = radii[..small].iter().map(|radius| radius * radius).sum();
+        let in_cells = 4.5 * (small as f64).powi(2) * reach * reach / squares;
+        (in_cells + large * large / 2.0, reach)
+    };
+    let halvings = std::iter::successors(Some(largest), |reach| Some(reach / 2.0));
+    let candidates = halvings.take_while(|&reach| reach >= smallest).map(comparisons);
+    candidates.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(largest, |(_, reach)| reach)
 }
 
 /// The integer nearest to a coordinate in cells less a half, as a number of cells on the torus: monotonic, without a
@@ -236,10 +251,10 @@ fn span(low: f64, high: f64, count: usize) -> Range<usize> {
 }
 
 #[inline]
-fn compare(ball: &Entry, others: &[Entry], touching: &mut Vec<(u32, u32)>) {
+fn compare(ball: &Entry, others: &[Entry], contact: &mut impl FnMut(u32, u32)) {
     for other in others {
         if touch(ball.position, ball.radius, other.position, other.radius) {
-            touching.push((ball.index.min(other.index), ball.index.max(other.index)));
+            contact(ball.index.min(other.index), ball.index.max(other.index));
         }
     }
 }

@@ -39,12 +39,13 @@ pub fn momentum(balls: &[Ball]) -> DVec2 {
 /// a ball lies wholly inside another.
 #[must_use]
 pub fn max_overlap(grid: &mut Grid, balls: &[Ball]) -> f64 {
-    grid.find(balls);
-    let depth = |&(i, j): &(u32, u32)| {
+    let mut deepest = 0.0_f64;
+    grid.for_each(balls, |i, j| {
         let (a, b) = (&balls[i as usize], &balls[j as usize]);
-        (a.radius + b.radius - a.position.distance(b.position)) / a.radius.min(b.radius)
-    };
-    grid.touching().iter().map(depth).fold(0.0, f64::max)
+        let depth = a.radius + b.radius - a.position.distance(b.position);
+        deepest = deepest.max(depth / a.radius.min(b.radius));
+    });
+    deepest
 }
 
 /// The deepest that a ball reaches over a wall, as a fraction of its radius; 0 without walls.

@@ -1,8 +1,8 @@
 //! What a quantity may be: every limit of the physics in one place, with its unit and its reason.
 //!
 //! The ranges are wide enough for every case that carom is tested on (mass ratios of 10¹⁸, speeds of
-//! 10⁸ px/s, an hour in one step) and narrow enough that no product of them leaves the range of an `f64`: with
-//! checked input, no solver needs to guard its arithmetic against overflow.
+//! 10⁸ px/s, an hour in one step) and narrow enough that no product of them leaves the range of an `f64`: a
+//! solver that starts from checked input need not guard each operation against overflow.
 
 use std::fmt;
 

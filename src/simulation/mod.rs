@@ -386,6 +386,18 @@ mod tests {
     }
 
     #[test]
+    fn a_ball_whose_partner_is_removed_touches_nothing() {
+        let world = World::new(DVec2::splat(100.0)).unwrap().with_pairs(Pairs::Detect);
+        let ball = |x| Ball::new(DVec2::new(x, 50.0), 10.0).unwrap();
+        let mut simulation = Simulation::new(world, vec![ball(40.0), ball(55.0)], Solver::Canvas).unwrap();
+        simulation.advance(0.0).unwrap();
+        assert_eq!(simulation.touching(), [true, true]);
+        simulation.remove_last();
+        simulation.advance(0.0).unwrap();
+        assert_eq!(simulation.touching(), [false]);
+    }
+
+    #[test]
     fn a_delta_that_is_no_time_is_refused_and_moves_nothing() {
         let mut simulation = boxed(100.0, 50.0, 5.0).unwrap();
         for delta in [-1e-9, f64::NAN, f64::INFINITY, 2e6] {

@@ -23,9 +23,10 @@ impl FrameClock {
 }
 
 /// Counts frames, and tells their rate now and then.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct FrameRate {
-    since: Instant,
+    /// When the first frame of those that are counted was shown.
+    since: Option<Instant>,
     frames: u32,
 }
 
@@ -33,19 +34,19 @@ pub(super) struct FrameRate {
 const TOLD_EVERY: Duration = Duration::from_millis(500);
 
 impl FrameRate {
-    pub(super) fn new(now: Instant) -> Self {
-        Self { since: now, frames: 0 }
-    }
-
     /// Counts a frame; the rate in frames per second where it is time to tell it.
     pub(super) fn count(&mut self, now: Instant) -> Option<f64> {
+        let Some(since) = self.since else {
+            self.since = Some(now);
+            return None;
+        };
         self.frames += 1;
-        let span = now.saturating_duration_since(self.since);
+        let span = now.saturating_duration_since(since);
         if span < TOLD_EVERY {
             return None;
         }
         let rate = f64::from(self.frames) / span.as_secs_f64();
-        *self = Self::new(now);
+        *self = Self { since: Some(now), frames: 0 };
         Some(rate)
     }
 }
@@ -67,8 +68,8 @@ mod tests {
     #[test]
     fn the_rate_is_frames_over_time() {
         let start = Instant::now();
-        let mut rate = FrameRate::new(start);
-        for frame in 1..30 {
+        let mut rate = FrameRate::default();
+        for frame in 0..30 {
             assert_eq!(rate.count(start + Duration::from_millis(frame * 17)), None);
         }
         assert_eq!(rate.count(start + Duration::from_millis(600)), Some(50.0));

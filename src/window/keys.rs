@@ -26,7 +26,7 @@ pub(super) fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Opti
     let shift = modifiers.shift_key();
     let action = match key {
         Key::Named(named) => named_key(*named, shift)?,
-        Key::Character(text) => character(text)?,
+        Key::Character(text) => character(text, shift)?,
         _ => return None,
     };
     let repeats = matches!(
@@ -53,13 +53,12 @@ fn named_key(key: NamedKey, shift: bool) -> Option<Action> {
     })
 }
 
-fn character(text: &str) -> Option<Action> {
+fn character(text: &str, shift: bool) -> Option<Action> {
     Some(match text {
         "." => Action::Do(Command::Step),
         "r" | "R" => Action::Do(Command::Reset),
-        // Capitals come with Shift, and with Caps Lock; the latter's user sees a hundred balls and learns.
-        "a" => Action::Do(Command::AddRandom(1)),
-        "A" => Action::Do(Command::AddRandom(100)),
+        // Not by the capital: Caps Lock makes one, too.
+        "a" | "A" => Action::Do(Command::AddRandom(if shift { 100 } else { 1 })),
         "s" | "S" if Solver::ALL.len() > 1 => Action::Do(Command::NextSolver),
         "g" | "G" => Action::Do(Command::ToggleGravity),
         "[" => Action::Do(Command::Slower),

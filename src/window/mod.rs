@@ -12,6 +12,7 @@ mod problem;
 mod screen;
 mod timings;
 
+use std::io::{self, Write};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -56,6 +57,10 @@ pub struct Options {
 const THROW: f64 = 4.0;
 /// Dragging less far than this is a click, px.
 const CLICK: f64 = 4.0;
+/// The widest window that is asked for, in pixels of the screen. No graphics adapter draws a wider one.
+const WIDEST: f64 = 32_767.0;
+/// How long to wait before looking whether a window that could not be seen can.
+const LOOK_AGAIN: Duration = Duration::from_millis(250);
 /// How long a notice stands in the title bar.
 const NOTICE: Duration = Duration::from_secs(3);
 
@@ -82,7 +87,7 @@ pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
         session,
         screen: None,
         clock: FrameClock::default(),
-        rate: FrameRate::new(Instant::now()),
+        rate: FrameRate::default(),
         frames_per_second: None,
         timings: options.timings.then(Timings::default),
         modifiers: ModifiersState::empty(),
@@ -90,13 +95,14 @@ pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
         drag: None,
         help: false,
         occluded: false,
+        look_again: None,
         notice: None,
         title: String::new(),
         failure: None,
     };
     event_loop.run_app(&mut app).map_err(|error| WindowError::System(error.to_string()))?;
     if let Some(timings) = &app.timings {
-        eprintln!("{timings}");
+        let _ = writeln!(io::stderr(), "{timings}");
     }
     app.failure.map_or(Ok(()), Err)
 }
@@ -141,6 +147,8 @@ struct App {
     help: bool,
     /// Whether other windows cover this one.
     occluded: bool,
+    /// While nothing of the window can be seen: when to look again. The event that would tell may come too early.
+    look_again: Option<Instant>,
     /// Something to say in the title bar, and since when.
     notice: Option<(String, Instant)>,
     /// The title as it was set last.
@@ -185,14 +193,21 @@ impl ApplicationHandler for App {
         }
     }
 
-    /// Sleeps until something happens, or until the notice in the title bar has stood long enough.
+    /// Sleeps until something happens, until the notice in the title bar has stood long enough, or until it is time to
+    /// look whether the window can be seen again.
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        let until = self.notice.as_ref().map(|(_, since)| *since + NOTICE);
-        event_loop.set_control_flow(until.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
-        if until.is_some_and(|until| Instant::now() >= until) {
+        let now = Instant::now();
+        if self.notice.as_ref().is_some_and(|(_, since)| now >= *since + NOTICE) {
             self.notice = None;
             self.set_title();
         }
+        if self.look_again.is_some_and(|at| now >= at) {
+            self.look_again = None;
+            self.request_redraw();
+        }
+        let notice_ends = self.notice.as_ref().map(|(_, since)| *since + NOTICE);
+        let wake = notice_ends.into_iter().chain(self.look_again).min();
+        event_loop.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 }
 
@@ -212,6 +227,11 @@ impl App {
         if self.options.fullscreen {
             attributes = attributes.with_fullscreen(Some(Fullscreen::Borderless(None)));
         }
+        // X11 counts a window's sides in 16 bits, and winit ends the program where they do not fit.
+        let pixels = size * event_loop.primary_monitor().map_or(1.0, |monitor| monitor.scale_factor());
+        if pixels.max_element() > WIDEST {
+            return Err(WindowError::TooLarge { width: pixels.x as u32, height: pixels.y as u32 });
+        }
         let window = event_loop.create_window(attributes).map_err(|error| WindowError::NoDisplay {
             reason: error.to_string(),
             scene: self.scene.clone(),
@@ -226,6 +246,13 @@ impl App {
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: WindowError) {
         self.failure = Some(error);
         event_loop.exit();
+    }
+
+    /// Time that passes from now until the next frame is not simulated, and does not count into the frame rate.
+    fn stop_clock(&mut self) {
+        self.clock.stop();
+        self.rate = FrameRate::default();
+        self.frames_per_second = None;
     }
 
     fn request_redraw(&self) {
@@ -254,7 +281,7 @@ impl App {
             self.say(error.to_string());
         }
         if self.session.is_paused() {
-            self.clock.stop();
+            self.stop_clock();
         }
         self.set_title();
     }
@@ -306,11 +333,12 @@ impl App {
         let Some((window, screen)) = &mut self.screen else { return Ok(()) };
         let (size, scale) = (window.inner_size(), window.scale_factor());
         if self.occluded || size.width == 0 || size.height == 0 || window.is_minimized() == Some(true) {
-            // Nothing can be seen: no frame is asked for until an event tells otherwise, and then time goes on from
-            // where it stood.
-            self.clock.stop();
+            // Nothing can be seen: time stands still, and goes on from there.
+            self.stop_clock();
+            self.look_again = Some(Instant::now() + LOOK_AGAIN);
             return Ok(());
         }
+        self.look_again = None;
         if screen.size() != size {
             screen.resize(size)?;
         }
@@ -351,7 +379,8 @@ impl App {
 
     /// Says something in the title bar, and on standard error for whoever looks there.
     fn say(&mut self, text: String) {
-        eprintln!("carom: {text}");
+        // A window outlives the terminal that it was started from.
+        let _ = writeln!(io::stderr(), "carom: {text}");
         self.notice = Some((text, Instant::now()));
         self.set_title();
     }

@@ -108,10 +108,11 @@ impl Screen {
     pub(super) fn present(&mut self) -> Result<Presented, WindowError> {
         let start = Instant::now();
         let mut uploaded = start;
-        self.window.pre_present_notify();
         let rendered = self.pixels.as_ref().map(|pixels| {
             pixels.render_with(|encoder, target, context| {
                 uploaded = Instant::now();
+                // Only here is it certain that something will be presented: Wayland holds back the next frame until then.
+                self.window.pre_present_notify();
                 context.scaling_renderer.render(encoder, target);
                 Ok(())
             })
@@ -120,8 +121,11 @@ impl Screen {
         let failed = self.device_failed.load(Ordering::Relaxed);
         match rendered {
             Some(Ok(())) if !failed => self.failures = 0,
-            // pixels has reconfigured the surface already; the next frame comes at the window's new size.
-            Some(Err(pixels::Error::Surface(SurfaceError::Timeout | SurfaceError::Outdated)))
+            // A surface that nobody shows gives no texture in time; one that is outdated, pixels has reconfigured.
+            Some(Err(pixels::Error::Surface(SurfaceError::Timeout))) if !failed => {
+                self.window.request_redraw();
+            }
+            Some(Err(pixels::Error::Surface(SurfaceError::Outdated)))
                 if !failed && self.failures < FAILURES_UNTIL_RENEWAL =>
             {
                 self.failures += 1;
