@@ -165,3 +165,12 @@ fn names_that_are_no_scenes_are_refused_with_those_that_are() {
     let missing = Scene::load("no/such/file.toml").unwrap_err().to_string();
     assert!(missing.starts_with("no/such/file.toml: "), "{missing}");
 }
+
+#[test]
+fn the_readmes_scene_file_is_a_scene() {
+    let readme = include_str!("../README.md");
+    let (_, file) = readme.split_once("```toml\n").unwrap();
+    let (file, _) = file.split_once("```").unwrap();
+    let simulation = Scene::parse("README", file).unwrap().build().unwrap();
+    assert_eq!(simulation.balls().len(), 1001);
+}

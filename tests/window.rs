@@ -1,6 +1,6 @@
 //! The real window: opened on a virtual X server, sent real keys, looked at in screenshots.
 //!
-//! These tests need Xvfb, xdotool, the `import` of imagemagick and a Vulkan driver (README, "Tests"), so plain
+//! These tests need Xvfb, xdotool, xprop, the `import` of imagemagick and a Vulkan driver (README, "Tests"), so plain
 //! `cargo test` leaves them out and says so. `cargo test --test window -- --ignored` runs them.
 #![cfg(all(feature = "window", target_os = "linux"))]
 
@@ -261,6 +261,25 @@ fn a_paused_window_leaves_the_processor_alone() {
     sleep(Duration::from_secs(2));
     let used = window.processor_time() - before;
     assert!(used <= 0.04, "{used} s of processor time in 2 s");
+}
+
+/// There is no window manager to minimise the window, so the test does to it what one would.
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_minimised_window_stands_still_and_goes_on_when_it_is_back() {
+    let display = Display::start();
+    let window = display.open(&["elastic"]);
+    assert!(window.moves());
+    let set = ["-f", "_NET_WM_STATE", "32a", "-set", "_NET_WM_STATE", "_NET_WM_STATE_HIDDEN"];
+    display.ask("xprop", &[&["-id", &window.id], &set[..]].concat());
+    sleep(Duration::from_millis(300));
+    let before = window.processor_time();
+    assert!(!window.moves(), "nothing moves while minimised");
+    let used = window.processor_time() - before;
+    assert!(used <= 0.04, "{used} s of processor time while minimised");
+    display.ask("xprop", &["-id", &window.id, "-remove", "_NET_WM_STATE"]);
+    sleep(Duration::from_millis(300));
+    assert!(window.moves(), "it goes on without a key or the mouse");
 }
 
 #[test]
