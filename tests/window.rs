@@ -36,8 +36,9 @@ impl Display {
         // A test that failed has poisoned the lock; the others go on.
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
+        // Without -noreset the server starts anew, and refuses connections meanwhile, whenever its last client leaves.
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp", "-noreset"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -423,6 +424,7 @@ fn without_a_display_the_message_says_what_to_do_instead() {
             "{said}"
         );
         assert!(said.contains("carom run elastic --gif elastic.gif"), "{said}");
+        assert!(!said.contains(".rs:"), "no place in somebody's source: {said}");
     }
 }
 

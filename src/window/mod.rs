@@ -77,7 +77,7 @@ pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
     }
     check_libraries(scene.argument())?;
     let event_loop = EventLoop::new().map_err(|error| WindowError::NoDisplay {
-        reason: error.to_string(),
+        reason: problem::plain(&error),
         scene: scene.argument().to_owned(),
     })?;
     event_loop.set_control_flow(ControlFlow::Wait);
@@ -233,7 +233,7 @@ impl App {
             return Err(WindowError::TooLarge { width: pixels.x as u32, height: pixels.y as u32 });
         }
         let window = event_loop.create_window(attributes).map_err(|error| WindowError::NoDisplay {
-            reason: error.to_string(),
+            reason: problem::plain(&error),
             scene: self.scene.clone(),
         })?;
         let window = Arc::new(window);

@@ -86,6 +86,13 @@ pub(super) enum PictureError {
     Encoding(String),
 }
 
+/// What winit says, without the place in its source that it says it at.
+pub(super) fn plain(error: &impl ToString) -> String {
+    let text = error.to_string();
+    let behind_the_place = text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": "));
+    behind_the_place.map_or(text.clone(), |(_, reason)| reason.trim_end_matches('.').to_owned())
+}
+
 fn without(scene: &str) -> String {
     format!(
         "Without a window: carom run {scene} --gif {0}.gif, or carom run {scene} --image {0}.png",
