@@ -1,4 +1,4 @@
-//! Bouncing balls: a JavaScript canvas physics demo, native and bit for bit, with room for better solvers.
+//! Bouncing balls: a JavaScript canvas physics demo, native and bit for bit, and an event-driven solver that is exact.
 //!
 //! The folders are the story of a frame. A [`scene`] file becomes a [`Simulation`]; the simulation is advanced by a
 //! measured delta; what it holds is painted ([`paint`]); the picture is shown in a window, or written by [`headless`].

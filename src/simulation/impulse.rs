@@ -50,6 +50,29 @@ pub(super) fn canvas_impact(form: Form, first: &Ball, second: &Ball) -> Option<(
     Some((normal * after1 + tangent * v1t, normal * after2 + tangent * v2t))
 }
 
+/// The changes of velocity, each along the line of centres, of two balls whose relative position is `distance` and
+/// whose relative velocity is `velocity` (first less second), by an impact with restitution `e`. `yields` are their
+/// inverse masses, axis by axis: 0 where a wall holds a ball.
+///
+/// It is written with Δv·Δr/|Δr|²·Δr, without a unit normal, whose rounding would make the energy drift.
+#[inline]
+pub(super) fn exact_impact(
+    distance: DVec2,
+    velocity: DVec2,
+    yields: (DVec2, DVec2),
+    e: f64,
+) -> Option<(DVec2, DVec2)> {
+    let distance = if distance.length_squared() < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { distance };
+    let (first, second) = (yields.0 * distance, yields.1 * distance);
+    let give = (first + second).dot(distance);
+    // Both are held by walls in every direction that counts.
+    if give <= 0.0 {
+        return None;
+    }
+    let impulse = -(1.0 + e) * velocity.dot(distance) / give;
+    Some((first * impulse, -second * impulse))
+}
+
 /// The unit vector along `difference`, component by component over its length.
 #[inline]
 fn normal(difference: DVec2) -> DVec2 {

@@ -5,6 +5,8 @@
 
 mod ball;
 mod canvas;
+mod exact;
+mod flight;
 pub mod grid;
 mod impulse;
 pub mod invariants;
@@ -18,6 +20,7 @@ use glam::DVec2;
 
 pub use ball::Ball;
 use canvas::Canvas;
+use exact::Exact;
 use limits::{DELTA, MAX_BALLS, OutOfRange};
 pub use world::{Pairs, World};
 
@@ -49,6 +52,8 @@ pub struct Simulation {
 pub enum Solver {
     /// The canvas demo's frame step, bit for bit; its result depends on the frame rate.
     Canvas,
+    /// Event-driven: exact between and at impacts, whatever the frame rate.
+    Exact,
 }
 
 /// What has happened since the simulation began.
@@ -73,6 +78,8 @@ pub enum Part {
     AllPairs,
     /// Touching pairs are found on a grid.
     Grid,
+    /// Impacts are foreseen, and taken in their order in time.
+    Events,
     /// Touching pairs exchange momentum.
     Impulse,
 }
@@ -264,19 +271,21 @@ fn check_fit(world: &World, balls: &[Ball], before: usize) -> Result<(), BuildEr
 
 impl Solver {
     /// All solvers, in the order in which the window goes through them.
-    pub const ALL: &'static [Self] = &[Self::Canvas];
+    pub const ALL: &'static [Self] = &[Self::Canvas, Self::Exact];
 
     /// The name that scene files and the command line use.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Canvas => "canvas",
+            Self::Exact => "exact",
         }
     }
 
     fn engine(self, world: &World, balls: &[Ball]) -> Box<dyn Advance> {
         match self {
             Self::Canvas => Box::new(Canvas::new(world, balls)),
+            Self::Exact => Box::new(Exact::new(world, balls)),
         }
     }
 }
@@ -317,6 +326,7 @@ impl fmt::Display for Part {
             Self::Walls => "walls",
             Self::AllPairs => "all pairs",
             Self::Grid => "grid",
+            Self::Events => "events",
             Self::Impulse => "impulse",
         })
     }

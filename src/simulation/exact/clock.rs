@@ -1,0 +1,39 @@
+//! Time as an exact sum.
+
+/// A fixed-point clock in units of 2⁻⁸⁰ s: deltas add up without rounding, so that the same deltas in any order, and
+/// an hour of them, come to the same time.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Clock(u128);
+
+/// Units in a second.
+const SECOND: f64 = (1_u128 << 80) as f64;
+/// Frames are shown at multiples of 2⁻⁴⁶ s, so that sums that differ by the rounding of their deltas (120 times 1/24
+/// and 300 times 1/60) show the same state.
+const SHOWN: u128 = 1 << 34;
+
+impl Clock {
+    /// Goes on by `seconds`, not negative.
+    pub(super) fn add(&mut self, seconds: f64) {
+        self.0 += (seconds * SECOND) as u128;
+    }
+
+    /// The nearest time at which a frame is shown, in seconds since `origin`, a time before.
+    pub(super) fn shown_since(self, origin: Self) -> f64 {
+        let shown = (self.0 + SHOWN / 2) / SHOWN * SHOWN;
+        shown.saturating_sub(origin.0) as f64 / SECOND
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deltas_that_differ_by_rounding_alone_come_to_the_same_time() {
+        for (rate, count) in [(24.0, 120), (60.0, 300), (144.0, 720)] {
+            let mut clock = Clock::default();
+            (0..count).for_each(|_| clock.add(1.0 / rate));
+            assert_eq!(clock.shown_since(Clock::default()), 5.0);
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! The laws that the `exact` solver keeps: trajectories against 60-digit arithmetic, published counts, conservation,
+//! and independence of the frame rate.
+
+use std::fs;
+use std::path::Path;
+
+use carom::simulation::grid::Grid;
+use carom::simulation::invariants::{
+    kinetic_energy, max_overlap, max_wall_overlap, non_finite, potential_energy,
+};
+use carom::{Ball, DVec2, Pairs, Scene, Simulation, Solver, World};
+
+fn exact(scene: &str) -> Simulation {
+    Scene::load(scene).unwrap().with_solver(Solver::Exact).build().unwrap()
+}
+
+fn world(width: f64, height: f64) -> World {
+    World::new(DVec2::new(width, height)).unwrap()
+}
+
+fn ball(x: f64, y: f64, radius: f64, vx: f64, vy: f64) -> Ball {
+    Ball::new(DVec2::new(x, y), radius).unwrap().with_velocity(DVec2::new(vx, vy)).unwrap()
+}
+
+fn gas(count: usize, speed: f64, seed: u64, more: &str) -> Simulation {
+    let side = (count as f64 * 9.0 * std::f64::consts::PI / 0.2).sqrt().ceil();
+    let file = format!(
+        "solver = \"exact\"\nsize = [{side}, {side}]\n{more}\n[walls]\n[pairs]\n\
+         [[fill]]\ncount = {count}\nradius = 3\nspeed = [0, {speed}]\nseed = {seed}\n"
+    );
+    Scene::parse("gas", &file).unwrap().build().unwrap()
+}
+
+fn state(simulation: &Simulation) -> Vec<u64> {
+    let of = |ball: &Ball| {
+        let (p, v) = (ball.position(), ball.velocity());
+        [p.x, p.y, v.x, v.y].map(f64::to_bits)
+    };
+    simulation.balls().iter().flat_map(of).collect()
+}
+
+fn energy(simulation: &Simulation) -> f64 {
+    kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
+}
+
+/// The largest distance from the trajectories computed in 60-digit arithmetic, by time, with the impact counts equal.
+fn errors_against_reference(scene: &str) -> Vec<(f64, f64)> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/data/exact-{scene}-1280x720.csv"));
+    let mut simulation = exact(scene);
+    let mut errors: Vec<(f64, f64)> = Vec::new();
+    for line in fs::read_to_string(path).unwrap().lines().skip(1) {
+        let row: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
+        if simulation.time() < row[0] {
+            simulation.advance(row[0] - simulation.time()).unwrap();
+            // The reference counts impacts on walls too.
+            let hits = simulation.tally().impacts + simulation.tally().wall_hits;
+            assert_eq!(hits, row[6] as u64, "{scene}: impacts at {} s", row[0]);
+            errors.push((row[0], 0.0));
+        }
+        let error = (simulation.balls()[row[1] as usize].position() - DVec2::new(row[2], row[3])).length();
+        let last = errors.last_mut().unwrap();
+        last.1 = last.1.max(error);
+    }
+    errors
+}
+
+#[test]
+fn trajectories_agree_with_sixty_digit_arithmetic_until_chaos_hides_them() {
+    for scene in ["elastic", "gravity"] {
+        for (time, error) in errors_against_reference(scene) {
+            let most = match time {
+                ..=0.25 => 1e-12,
+                ..=1.0 => 1e-8,
+                _ => 1e-4,
+            };
+            assert!(error <= most, "{scene}: {error:e} px at {time} s");
+        }
+    }
+}
+
+#[test]
+fn the_state_at_five_seconds_is_the_same_to_the_last_bit_however_time_is_cut_into_frames() {
+    for scene in ["elastic", "inelastic", "gravity"] {
+        let run = |deltas: &[f64]| {
+            let mut simulation = exact(scene);
+            for &delta in deltas {
+                simulation.advance(delta).unwrap();
+            }
+            state(&simulation)
+        };
+        let once = run(&[5.0]);
+        assert_eq!(once, run(&[1.0 / 24.0; 120]), "{scene}");
+        assert_eq!(once, run(&[1.0 / 60.0; 300]), "{scene}");
+        assert_eq!(once, run(&[1.0 / 144.0; 720]), "{scene}");
+        assert_eq!(once, run(&[0.0, 0.001, 1.249, 0.5, 0.0, 3.25]), "{scene}");
+    }
+}
+
+#[test]
+fn galperins_billiard_counts_the_digits_of_pi() {
+    // Galperin (2003): a wall, a ball of mass 1, one of mass 100ⁿ that comes in: ⌊π·10ⁿ⌋ impacts in all.
+    for (n, digits) in [(0, 3), (1, 31), (2, 314), (3, 3141), (4, 31_415), (5, 314_159)] {
+        let light = ball(300.0, 50.0, 10.0, 0.0, 0.0);
+        let heavy = ball(500.0, 50.0, 10.0, -100.0, 0.0).with_mass(100_f64.powi(n)).unwrap();
+        let world = world(1e6, 100.0).with_walls(1.0).unwrap().with_pairs(Pairs::Impulse);
+        let mut simulation = Simulation::new(world, vec![light, heavy], Solver::Exact).unwrap();
+        // Both must have gone away for good, but not yet have reached the far wall.
+        simulation.advance(200.0).unwrap();
+        assert_eq!(simulation.tally().impacts + simulation.tally().wall_hits, digits, "n = {n}");
+    }
+}
+
+#[test]
+fn a_ball_in_a_box_follows_the_unfolded_straight_line() {
+    let world = world(1000.0, 700.0).with_walls(1.0).unwrap();
+    let start = ball(200.0, 300.0, 10.0, 812.5, -431.25);
+    let mut simulation = Simulation::new(world, vec![start], Solver::Exact).unwrap();
+    simulation.advance(1024.0).unwrap();
+    let fold = |at: f64, span: f64| {
+        let within = at.rem_euclid(2.0 * span);
+        if within > span { 2.0 * span - within } else { within }
+    };
+    let end = simulation.balls()[0].position();
+    let x = 10.0 + fold(190.0 + 812.5 * 1024.0, 980.0);
+    let y = 10.0 + fold(290.0 - 431.25 * 1024.0, 680.0);
+    assert!((end - DVec2::new(x, y)).length() < 1e-8, "{end} is not ({x}, {y})");
+    assert!(simulation.tally().wall_hits > 1400);
+}
+
+#[test]
+fn a_dropped_ball_comes_to_rest_when_the_closed_form_says_so_within_the_tolerance() {
+    let (height, gravity, e): (f64, f64, f64) = (400.0, 980.0, 0.8);
+    let world = world(100.0, 500.0).with_walls(e).unwrap().with_gravity(DVec2::new(0.0, gravity)).unwrap();
+    let mut simulation =
+        Simulation::new(world, vec![ball(50.0, 90.0, 10.0, 0.0, 0.0)], Solver::Exact).unwrap();
+    let rest = (2.0 * height / gravity).sqrt() * (1.0 + e) / (1.0 - e);
+    // Hops slower than 1 px/s are left out: they would have taken 2u/g/(1 − e) at most. The last that is not begins
+    // at less than 1/e px/s.
+    simulation.advance(rest - 2.0 / gravity / (1.0 - e)).unwrap();
+    assert!((simulation.balls()[0].position().y - 490.0).abs() < 1.0 / gravity);
+    simulation.advance(2.0 / gravity / (1.0 - e)).unwrap();
+    let end = simulation.balls()[0];
+    assert_eq!((end.position(), end.velocity()), (DVec2::new(50.0, 490.0), DVec2::ZERO));
+    simulation.advance(1e3).unwrap();
+    assert_eq!(simulation.balls()[0], end);
+}
+
+#[test]
+fn newtons_cradle_of_five_hands_the_velocity_on_exactly() {
+    let world = world(1000.0, 100.0).with_pairs(Pairs::Impulse);
+    let mut balls = vec![ball(100.0, 50.0, 10.0, 300.0, 0.0)];
+    balls.extend((0..4).map(|i| ball(400.0 + 20.0 * f64::from(i), 50.0, 10.0, 0.0, 0.0)));
+    let mut simulation = Simulation::new(world, balls, Solver::Exact).unwrap();
+    simulation.advance(2.0).unwrap();
+    let speeds: Vec<f64> = simulation.balls().iter().map(|ball| ball.velocity().x).collect();
+    assert_eq!(speeds, [0.0, 0.0, 0.0, 0.0, 300.0]);
+    assert_eq!(simulation.tally().impacts, 4);
+}
+
+#[test]
+fn an_elastic_gas_keeps_its_energy_and_overlaps_nowhere() {
+    let mut simulation = gas(1000, 200.0, 7, "");
+    let start = energy(&simulation);
+    let mut grid = Grid::new(simulation.balls(), simulation.world().size());
+    for _ in 0..600 {
+        simulation.advance(1.0 / 60.0).unwrap();
+        assert!(max_overlap(&mut grid, simulation.balls()) < 1e-10);
+        assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-10);
+    }
+    assert!(simulation.tally().impacts > 20_000, "{:?}", simulation.tally());
+    let drift = (energy(&simulation) / start - 1.0).abs();
+    assert!(drift < 1e-12, "{drift:e}");
+}
+
+#[test]
+fn energy_never_rises_and_every_scene_settles_with_few_events() {
+    for scene in ["inelastic", "gravity"] {
+        let mut simulation = exact(scene);
+        let mut before = energy(&simulation);
+        // What hops of a quarter of the rest speed may add, for all balls together.
+        let tolerance: f64 = simulation.balls().iter().map(|ball| 0.5 * ball.mass() * 0.25_f64.powi(2)).sum();
+        let mut grid = Grid::new(simulation.balls(), simulation.world().size());
+        for frame in 0..60 * 60 {
+            simulation.advance(1.0 / 60.0).unwrap();
+            let now = energy(&simulation);
+            assert!(now <= before + tolerance, "{scene}, frame {frame}: {before} rose to {now}");
+            before = before.min(now);
+            assert_eq!(non_finite(simulation.balls()), 0);
+            let overlap = max_overlap(&mut grid, simulation.balls());
+            assert!(overlap < 1e-9, "{scene}, frame {frame}: overlap {overlap:e}");
+        }
+        let hits = |simulation: &Simulation| simulation.tally().impacts + simulation.tally().wall_hits;
+        let settled = hits(&simulation);
+        simulation.advance(10.0).unwrap();
+        assert!(hits(&simulation) - settled < 20_000, "{scene}: {} in 10 s", hits(&simulation) - settled);
+    }
+}
+
+#[test]
+fn a_crowd_of_any_restitution_under_oblique_gravity_stays_inside_and_gains_no_energy() {
+    for (index, e) in [0.0, 1e-12, 0.3, 0.7, 0.999, 1.0].into_iter().enumerate() {
+        for gravity in ["0, 980", "-300, -700"] {
+            let file = format!(
+                "solver = \"exact\"\nsize = [400, 300]\ngravity = [{gravity}]\n[walls]\nrestitution = {e}\n[pairs]\n\
+                 [[fill]]\ncount = 30\nradius = [4, 12]\nspeed = [0, 300]\nrestitution = {e}\nseed = {index}\n"
+            );
+            let mut simulation = Scene::parse("crowd", &file).unwrap().build().unwrap();
+            let mut grid = Grid::new(simulation.balls(), simulation.world().size());
+            let start = energy(&simulation);
+            let mut before = start;
+            let mass: f64 = simulation.balls().iter().map(Ball::mass).sum();
+            for _ in 0..120 {
+                simulation.advance(1.0 / 60.0).unwrap();
+                let now = energy(&simulation);
+                assert!(now <= before + 1e-12 * start + 0.5 * mass, "e = {e}: {before} rose to {now}");
+                before = before.min(now);
+                assert_eq!(non_finite(simulation.balls()), 0);
+                assert!(max_overlap(&mut grid, simulation.balls()) < 1e-6, "e = {e}");
+                assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9, "e = {e}");
+            }
+        }
+    }
+}
