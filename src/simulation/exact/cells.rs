@@ -6,6 +6,8 @@ use glam::DVec2;
 use crate::simulation::ball::Ball;
 use crate::simulation::world::World;
 
+/// The most balls for which one cell, all pairs and no crossings, is enough.
+const FEW: usize = 16;
 /// The end of a cell's list.
 const END: u32 = u32::MAX;
 
@@ -29,7 +31,8 @@ impl Cells {
         let area = world.size.x * world.size.y;
         // Not more than four cells a ball.
         let width = widest.max((area / (4.0 * balls.len().max(1) as f64)).sqrt());
-        let count = (world.size / width).floor().max(DVec2::ONE);
+        let several = (world.size / width).floor().max(DVec2::ONE);
+        let count = if balls.len() <= FEW { DVec2::ONE } else { several };
         let (columns, rows) = (count.x as usize, count.y as usize);
         let mut cells = Self {
             columns,
