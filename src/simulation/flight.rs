@@ -59,8 +59,8 @@ pub(super) struct Pair {
     pub velocity: DVec2,
     /// The distance at which they touch, px.
     pub reach: f64,
-    /// The sum of the magnitudes of their own velocities, px/s.
-    pub speed: f64,
+    /// The velocity of the one, px/s: its size blurs the relative velocity.
+    pub own: DVec2,
 }
 
 impl Pair {
@@ -81,7 +81,8 @@ impl Pair {
 
     /// Whether the scalar product `b` of distance and velocity is an approach, not the rounding of none.
     fn approaches(&self, b: f64) -> bool {
-        b < -ROUNDING * self.speed * self.distance.length()
+        let speed = self.own.length() + (self.own + self.velocity).length();
+        b < -ROUNDING * speed * self.distance.length()
     }
 
     /// When they meet, where the other is accelerated by `acceleration` relative to the one (one of them rests on a
@@ -242,7 +243,7 @@ mod tests {
     use super::*;
 
     fn pair(distance: DVec2, velocity: DVec2, reach: f64) -> Pair {
-        Pair { distance, velocity, reach, speed: velocity.length() }
+        Pair { distance, velocity, reach, own: DVec2::ZERO }
     }
 
     #[test]

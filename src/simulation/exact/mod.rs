@@ -238,7 +238,7 @@ impl Exact {
                 distance: other - position,
                 velocity: other_velocity - velocity,
                 reach: frame.balls[ball].radius + frame.balls[index].radius,
-                speed: velocity.length() + other_velocity.length(),
+                own: velocity,
             };
             let relative = self.flights[index].acceleration - acceleration;
             let time = now
