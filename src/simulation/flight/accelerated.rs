@@ -1,0 +1,183 @@
+//! The flight of a pair of which one rests on a wall: the relative motion is accelerated, and the times of contact are
+//! roots of an equation of fourth degree.
+
+use glam::DVec2;
+
+use super::{NEVER, Pair, ROUNDING, position};
+
+impl Pair {
+    /// When they meet, where the other is accelerated by `acceleration` relative to the one (one of them rests on a
+    /// wall). [`NEVER`] where that is not within `limit`.
+    pub(in crate::simulation) fn meet_accelerated(&self, acceleration: DVec2, limit: f64) -> f64 {
+        let gap = self.distance.length() - self.reach;
+        let span = limit.min(self.horizon(acceleration));
+        // Most pairs are too far from each other to meet before something else happens.
+        if gap > (self.velocity.length() + 0.5 * acceleration.length() * span) * span {
+            return NEVER;
+        }
+        if self.enters(acceleration) {
+            return 0.0;
+        }
+        let path = Path { pair: self, acceleration };
+        for (from, to) in path.turns(span).spans() {
+            // Overlapping from before: they meet as soon as they approach.
+            let (start, end) = (path.depth(from), path.depth(to));
+            let approaching = end > start;
+            if approaching && start >= 0.0 && from > 0.0 {
+                return from;
+            }
+            if approaching && start < 0.0 && end >= 0.0 {
+                return root(from, to, |t| (path.depth(t), path.deepening(t)));
+            }
+        }
+        NEVER
+    }
+
+    /// When they stop overlapping, where the other is accelerated by `acceleration` relative to the one, if they
+    /// overlap now or touch and approach; 0 where they do neither and part. [`NEVER`] where that is not within `limit`.
+    #[cfg_attr(not(test), expect(dead_code, reason = "for the detect mode, which is to come"))]
+    pub(in crate::simulation) fn part_accelerated(&self, acceleration: DVec2, limit: f64) -> f64 {
+        let entering = self.enters(acceleration);
+        let path = Path { pair: self, acceleration };
+        for (from, to) in path.turns(limit.min(self.horizon(acceleration))).spans() {
+            let (start, end) = (path.depth(from), path.depth(to));
+            // Where they enter now, parting at first is the rounding of their approach.
+            if end < start && end < 0.0 && !(entering && from == 0.0) {
+                // Grazing may round to no overlap at all.
+                return if start > 0.0 {
+                    root(from, to, |t| (-path.depth(t), -path.deepening(t)))
+                } else {
+                    from
+                };
+            }
+        }
+        NEVER
+    }
+
+    /// Whether they touch or overlap, and approach or are, at relative rest along their centres, pressed together.
+    fn enters(&self, acceleration: DVec2) -> bool {
+        if self.distance.length() - self.reach > ROUNDING * self.reach {
+            return false;
+        }
+        let b = self.distance.dot(self.velocity);
+        // Half the second derivative of d²: what slides off fast enough is not held by the acceleration.
+        let square = self.velocity.length_squared();
+        self.approaches(b)
+            || (!self.approaches(-b) && square + self.distance.dot(acceleration) < -ROUNDING * square)
+    }
+
+    /// From when on the acceleration has carried them apart for good.
+    fn horizon(&self, acceleration: DVec2) -> f64 {
+        let (a, w) = (acceleration.length(), self.velocity.length());
+        let far = self.distance.length() + self.reach;
+        // ½at² = wt + far, and a little more.
+        1.01 * (w + (w * w + 2.0 * a * far).sqrt()) / a
+    }
+}
+
+/// Relative motion under acceleration: a parabola. The square of the distance along it is of fourth degree in time.
+struct Path<'a> {
+    pair: &'a Pair,
+    acceleration: DVec2,
+}
+
+impl Path<'_> {
+    fn at(&self, time: f64) -> (DVec2, DVec2) {
+        let Pair { distance, velocity, .. } = *self.pair;
+        (position(distance, velocity, self.acceleration, time), velocity + self.acceleration * time)
+    }
+
+    /// s² − |r|²: positive while they overlap.
+    fn depth(&self, time: f64) -> f64 {
+        let (r, _) = self.at(time);
+        self.pair.reach * self.pair.reach - r.length_squared()
+    }
+
+    /// Its derivative, −2 r·r′.
+    fn deepening(&self, time: f64) -> f64 {
+        let (r, w) = self.at(time);
+        -2.0 * r.dot(w)
+    }
+
+    /// The times from 0 to `span` at which approach turns into parting or back: the roots of the cubic r·r′, which
+    /// are separated by those of its derivative, a quadratic.
+    fn turns(&self, span: f64) -> Turns {
+        let Pair { distance: d, velocity: w, .. } = *self.pair;
+        let a = self.acceleration;
+        let mut bends = Turns::new();
+        // r·r′ has the derivative w² + a·d + 3 (a·w) t + 1.5 a² t².
+        let (constant, half, square) =
+            (w.length_squared() + a.dot(d), 1.5 * a.dot(w), 1.5 * a.length_squared());
+        let discriminant = half * half - square * constant;
+        if discriminant > 0.0 {
+            let sum = -(half + discriminant.sqrt().copysign(half));
+            let (one, other) = (sum / square, if sum == 0.0 { 0.0 } else { constant / sum });
+            bends.add(one.min(other), span);
+            bends.add(one.max(other), span);
+        }
+        bends.add_end(span);
+        let mut turns = Turns::new();
+        for (from, to) in bends.spans() {
+            let (start, end) = (self.deepening(from), self.deepening(to));
+            if start.min(end) < 0.0 && start.max(end) > 0.0 {
+                let sign = if start < end { 1.0 } else { -1.0 };
+                let turn = root(from, to, |t| {
+                    let (r, v) = self.at(t);
+                    (-2.0 * sign * r.dot(v), -2.0 * sign * (v.length_squared() + r.dot(a)))
+                });
+                turns.add(turn, span);
+            }
+        }
+        turns.add_end(span);
+        turns
+    }
+}
+
+/// Up to five times in rising order, the first of them 0.
+struct Turns {
+    times: [f64; 5],
+    count: usize,
+}
+
+impl Turns {
+    fn new() -> Self {
+        Self { times: [0.0; 5], count: 1 }
+    }
+
+    fn add(&mut self, time: f64, span: f64) {
+        if time > self.times[self.count - 1] && time < span {
+            self.add_end(time);
+        }
+    }
+
+    fn add_end(&mut self, time: f64) {
+        self.times[self.count] = time;
+        self.count += 1;
+    }
+
+    fn spans(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.times[..self.count].windows(2).map(|pair| (pair[0], pair[1]))
+    }
+}
+
+/// The root of a function that rises from below 0 at `low` to 0 or above at `high`: Newton's method, kept inside the
+/// bracket by bisection. `function` returns value and derivative.
+fn root(mut low: f64, mut high: f64, function: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let mut time = 0.5 * (low + high);
+    // Bisection alone would need as many rounds as an f64 has bits; Newton needs a handful.
+    for _ in 0..128 {
+        let (value, slope) = function(time);
+        if value < 0.0 {
+            low = time;
+        } else {
+            high = time;
+        }
+        let newton = time - value / slope;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if next == time || next <= low || next >= high {
+            break;
+        }
+        time = next;
+    }
+    high
+}
