@@ -5,10 +5,16 @@ use glam::DVec2;
 
 use super::{NEVER, Pair, ROUNDING, position};
 
+/// An acceleration that counts as none, px/s²: in the eleven days of the longest frame it moves nothing by 10⁻²⁸ px.
+const WEAK: f64 = 1e-40;
+
 impl Pair {
     /// When they meet, where the other is accelerated by `acceleration` relative to the one (one of them rests on a
     /// wall). [`NEVER`] where that is not within `limit`.
     pub(in crate::simulation) fn meet_accelerated(&self, acceleration: DVec2, limit: f64) -> f64 {
+        if acceleration.length_squared() < WEAK * WEAK {
+            return within(self.meet(), limit);
+        }
         let gap = self.distance.length() - self.reach;
         let span = limit.min(self.horizon(acceleration));
         // Most pairs are too far from each other to meet before something else happens.
@@ -37,6 +43,9 @@ impl Pair {
     /// overlap now or touch and approach; 0 where they do neither and part. [`NEVER`] where that is not within `limit`.
     #[cfg_attr(not(test), expect(dead_code, reason = "for the detect mode, which is to come"))]
     pub(in crate::simulation) fn part_accelerated(&self, acceleration: DVec2, limit: f64) -> f64 {
+        if acceleration.length_squared() < WEAK * WEAK {
+            return within(self.part(), limit);
+        }
         let entering = self.enters(acceleration);
         let path = Path { pair: self, acceleration };
         for (from, to) in path.turns(limit.min(self.horizon(acceleration))).spans() {
@@ -73,6 +82,11 @@ impl Pair {
         // ½at² = wt + far, and a little more.
         1.01 * (w + (w * w + 2.0 * a * far).sqrt()) / a
     }
+}
+
+/// A time up to `limit`, else [`NEVER`].
+fn within(time: f64, limit: f64) -> f64 {
+    if time <= limit { time } else { NEVER }
 }
 
 /// Relative motion under acceleration: a parabola. The square of the distance along it is of fourth degree in time.
@@ -160,24 +174,37 @@ impl Turns {
     }
 }
 
-/// The root of a function that rises from below 0 at `low` to 0 or above at `high`: Newton's method, kept inside the
-/// bracket by bisection. `function` returns value and derivative.
+/// More than enough halvings to find the last bit of a microsecond in the longest span that [`WEAK`] leaves.
+const ROUNDS: usize = 256;
+
+/// How short a step of Newton's, as a fraction of the time, is its last: the next, about its square, would be lost in
+/// the rounding, even where a grazing contact makes both larger.
+const LAST_STEP: f64 = 1e-9;
+
+/// The root of a function that rises from below 0 at `low` to 0 or above at `high`: Newton's method while its steps
+/// stay in the bracket and halve, else bisection. `function` returns value and derivative.
 fn root(mut low: f64, mut high: f64, function: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut time = 0.5 * (low + high);
-    // Bisection alone would need as many rounds as an f64 has bits; Newton needs a handful.
-    for _ in 0..128 {
+    let mut step = high - low;
+    for _ in 0..ROUNDS {
         let (value, slope) = function(time);
         if value < 0.0 {
             low = time;
         } else {
             high = time;
         }
-        let newton = time - value / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if next == time || next <= low || next >= high {
+        let newton = value / slope;
+        let next = time - newton;
+        if newton.abs() <= LAST_STEP * time {
+            return next.clamp(low, high);
+        }
+        let halves = newton.abs() <= 0.5 * step && low < next && next < high;
+        let next = if halves { next } else { 0.5 * (low + high) };
+        if next <= low || next >= high {
             break;
         }
+        step = (next - time).abs();
         time = next;
     }
-    high
+    time
 }

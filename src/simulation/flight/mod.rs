@@ -5,6 +5,8 @@
 //! arXiv:1211.6718): what overlaps and approaches meets now, what overlaps and parts does not meet.
 
 mod accelerated;
+#[cfg(test)]
+mod reference;
 
 use glam::DVec2;
 
@@ -67,24 +69,28 @@ pub(super) struct Pair {
 
 impl Pair {
     /// When they meet, in straight flight: t = c / (−b + √(b² − w²c)) with b = d·w and c = d² − s².
+    ///
+    /// The discriminant is w²s² − (d×w)² by Lagrange's identity: how far they pass each other by against how far they
+    /// reach. So written, its rounding grows with the distance they come from; as b² − w²c, with the square of that.
     #[inline]
     pub(super) fn meet(&self) -> f64 {
         let b = self.distance.dot(self.velocity);
         if b >= 0.0 {
             return NEVER;
         }
-        let c = self.distance.length_squared() - self.reach * self.reach;
-        if c <= ROUNDING * self.reach * self.reach {
+        let square = self.reach * self.reach;
+        let c = self.distance.length_squared() - square;
+        if c <= ROUNDING * square {
             return if self.approaches(b) { 0.0 } else { NEVER };
         }
-        let discriminant = b * b - self.velocity.length_squared() * c;
+        let across = self.distance.perp_dot(self.velocity);
+        let discriminant = self.velocity.length_squared() * square - across * across;
         if discriminant < 0.0 { NEVER } else { c / (discriminant.sqrt() - b) }
     }
 
     /// When they stop overlapping, in straight flight, if they overlap now or touch and approach: the later root of
     /// |d + wt| = s. 0 where they do not overlap and part; [`NEVER`] where they overlap at relative rest.
     #[inline]
-    #[cfg_attr(not(test), expect(dead_code, reason = "for the detect mode, which is to come"))]
     pub(super) fn part(&self) -> f64 {
         let b = self.distance.dot(self.velocity);
         let c = self.distance.length_squared() - self.reach * self.reach;
@@ -190,12 +196,48 @@ mod tests {
         assert_eq!(on_top(11.0).part_accelerated(pull, NEVER), 0.0);
     }
 
+    /// Anything that limits.rs allows, evenly over the powers of ten, and 0.
+    fn number() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            Just(0.0),
+            (-12.0..9.0, any::<bool>()).prop_map(|(power, negative): (f64, bool)| {
+                10.0_f64.powf(power).copysign(if negative { -1.0 } else { 1.0 })
+            }),
+            (-300.0..9.0).prop_map(|power| 10.0_f64.powf(power)),
+            Just(-1e9),
+        ]
+    }
+
     fn vector(most: f64) -> impl Strategy<Value = DVec2> {
         (-most..most, -most..most).prop_map(|(x, y)| DVec2::new(x, y))
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn every_time_is_a_number_from_0_on(
+            x in number(), y in number(), u in number(), v in number(), own in number(), ax in number(), ay in number(),
+            power in -6.0..9.0, limit in 0.0..1e6, far in any::<bool>(),
+        ) {
+            let (acceleration, limit) = (DVec2::new(ax, ay), if far { NEVER } else { limit });
+            let pair = Pair {
+                distance: DVec2::new(x, y),
+                velocity: DVec2::new(u, v),
+                reach: 10.0_f64.powf(power),
+                own: DVec2::new(own, 0.0),
+            };
+            // The same pair where its edges touch, up to rounding.
+            let touching = Pair { reach: pair.distance.length().max(1e-6), ..pair };
+            for pair in [pair, touching] {
+                let (meets, parts) =
+                    (pair.meet_accelerated(acceleration, limit), pair.part_accelerated(acceleration, limit));
+                for time in [reach(x, u, ax), pair.meet(), pair.part(), meets, parts] {
+                    prop_assert!(time >= 0.0);
+                }
+                prop_assert!((meets <= limit || meets == NEVER) && (parts <= limit || parts == NEVER));
+            }
+        }
 
         #[test]
         fn balls_touch_at_the_time_found_and_not_before(
