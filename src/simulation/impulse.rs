@@ -126,4 +126,93 @@ mod tests {
             assert_eq!((after_one.y, after_other.y), (1.0, 2.0));
         }
     }
+
+    /// From taking all to giving all back; with one of them, four digits of e·v are left beside v.
+    const RESTITUTIONS: [f64; 4] = [0.0, 1e-12, 0.5, 1.0];
+
+    /// How far the speed of parting is from e times that of approach, as a fraction of the relative speed.
+    fn violation(distance: DVec2, velocity: DVec2, yields: (DVec2, DVec2), e: f64) -> f64 {
+        let (first, second) = exact_impact(distance, velocity, yields, e).unwrap();
+        let along = distance.normalize();
+        let approach = -velocity.dot(along);
+        let parting = (velocity + first - second).dot(along);
+        (parting - e * approach).abs() / velocity.length()
+    }
+
+    #[test]
+    fn momentum_and_the_law_of_restitution_hold_for_all_ratios_of_masses() {
+        let distance = DVec2::new(-12.0, 5.0);
+        for mass in [1.0, 3.0, 1e4, 1e9, 1e14] {
+            for e in RESTITUTIONS {
+                for velocity in [DVec2::new(40.0, 7.0), DVec2::new(1e8, -1e8), DVec2::new(1e-6, 0.0)] {
+                    for (m1, m2) in [(1.0, mass), (mass, 1.0)] {
+                        let yields = (DVec2::splat(1.0 / m1), DVec2::splat(1.0 / m2));
+                        let (first, second) = exact_impact(distance, velocity, yields, e).unwrap();
+                        let given = m1 * first;
+                        assert!((given + m2 * second).length() <= 4.0 * f64::EPSILON * given.length());
+                        // They push along the line of centres, and away from each other.
+                        assert!(first.perp_dot(distance).abs() <= 4.0 * f64::EPSILON * first.length() * 13.0);
+                        assert!(first.dot(distance) > 0.0 && second.dot(distance) < 0.0);
+                        assert!(violation(distance, velocity, yields, e) <= 4.0 * f64::EPSILON);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn energy_is_kept_where_all_is_given_back_and_otherwise_lost_as_the_law_says() {
+        // ΔE = −½ μ (1 − e²) vₙ² with the reduced mass μ.
+        let (distance, m2) = (DVec2::new(3.0, 4.0), 5.0);
+        let (v1, v2) = (DVec2::new(-60.0, -10.0), DVec2::new(15.0, 20.0));
+        for m1 in [1.0, 1e4, 1e9, 1e14] {
+            for e in RESTITUTIONS {
+                let yields = (DVec2::splat(1.0 / m1), DVec2::splat(1.0 / m2));
+                let (first, second) = exact_impact(distance, v1 - v2, yields, e).unwrap();
+                // ½m(v + Δv)² − ½mv², without the difference of the squares.
+                let gained = |mass: f64, v: DVec2, change: DVec2| mass * change.dot(v + 0.5 * change);
+                let approach = (v1 - v2).dot(distance) / 5.0;
+                let lost = 0.5 * (1.0 - e * e) * approach * approach / (1.0 / m1 + 1.0 / m2);
+                let (one, other) = (gained(m1, v1, first), gained(m2, v2, second));
+                assert!((one + other + lost).abs() <= 8.0 * f64::EPSILON * (one.abs() + other.abs()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_that_a_wall_holds_moves_along_the_wall_only() {
+        // The one rests on the floor; the other comes from above, to the right of it.
+        let (distance, velocity) = (DVec2::new(-6.0, 8.0), DVec2::new(3.0, -50.0));
+        for mass in [1.0, 1e14] {
+            for e in RESTITUTIONS {
+                let yields = (DVec2::new(1.0 / mass, 0.0), DVec2::ONE);
+                let (first, second) = exact_impact(distance, velocity, yields, e).unwrap();
+                assert_eq!(first.y, 0.0);
+                assert!(first.x < 0.0 && second.x > 0.0 && second.y < 0.0);
+                // The floor takes the vertical momentum and nothing of the horizontal.
+                assert!((mass * first.x + second.x).abs() <= 4.0 * f64::EPSILON * second.x);
+                assert!(violation(distance, velocity, yields, e) <= 4.0 * f64::EPSILON);
+            }
+        }
+    }
+
+    #[test]
+    fn balls_that_walls_hold_in_every_direction_that_counts_do_not_push_each_other() {
+        let below = DVec2::new(0.0, 10.0);
+        let floor = DVec2::new(1.0, 0.0);
+        assert_eq!(exact_impact(below, DVec2::new(5.0, -5.0), (floor, floor), 1.0), None);
+        assert_eq!(exact_impact(below, DVec2::new(5.0, -5.0), (DVec2::ZERO, DVec2::ZERO), 1.0), None);
+    }
+
+    #[test]
+    fn coincident_centres_give_the_exact_law_a_fixed_direction_too() {
+        for distance in [DVec2::ZERO, DVec2::new(0.0, 1e-200)] {
+            for e in RESTITUTIONS {
+                let yields = (DVec2::ONE, DVec2::splat(1.0 / 3.0));
+                let (first, second) = exact_impact(distance, DVec2::new(-8.0, 3.0), yields, e).unwrap();
+                assert!((first - DVec2::new(6.0 * (1.0 + e), 0.0)).length() <= 8.0 * 4.0 * f64::EPSILON);
+                assert!((second + DVec2::new(2.0 * (1.0 + e), 0.0)).length() <= 8.0 * 4.0 * f64::EPSILON);
+            }
+        }
+    }
 }
