@@ -196,6 +196,27 @@ mod tests {
         assert_eq!(on_top(11.0).part_accelerated(pull, NEVER), 0.0);
     }
 
+    #[test]
+    fn what_rounding_moves_apart_while_it_is_pressed_on_a_ball_does_not_part_from_it() {
+        // At 1e9 px/s 1e-6 px/s is rounding, and lifts it by more than the last bit before it falls.
+        let pair =
+            Pair { own: DVec2::new(1e9, 0.0), ..pair(DVec2::new(0.0, -10.0), DVec2::new(0.0, -1e-6), 10.0) };
+        let pull = DVec2::new(0.0, 10.0);
+        assert_eq!(pair.meet_accelerated(pull, NEVER), 0.0);
+        assert!((pair.part_accelerated(pull, NEVER) - 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn an_acceleration_too_small_to_be_squared_is_none() {
+        let weak = DVec2::new(1e-200, 0.0);
+        let approaching = pair(DVec2::new(30.0, 0.0), DVec2::new(-10.0, 0.0), 10.0);
+        assert_eq!(approaching.meet_accelerated(weak, NEVER), 2.0);
+        assert_eq!(approaching.meet_accelerated(weak, 1.9), NEVER);
+        let within = pair(DVec2::new(5.0, 0.0), DVec2::new(-10.0, 0.0), 10.0);
+        assert_eq!(within.part_accelerated(weak, NEVER), 1.5);
+        assert_eq!(within.part_accelerated(weak, 1.4), NEVER);
+    }
+
     /// Anything that limits.rs allows, evenly over the powers of ten, and 0.
     fn number() -> impl Strategy<Value = f64> {
         prop_oneof![
