@@ -5,6 +5,8 @@
 //! on how time is cut into frames: that is the demo. What `canvas` adds is only speed: beyond [`ALL_PAIRS_MOST`] balls
 //! the search for touching pairs runs on a [`Grid`], and the pairs found are put back into the demo's order.
 
+use glam::DVec2;
+
 use super::ball::Ball;
 use super::grid::{Grid, touch};
 use super::impulse::{Form, canvas_impact};
@@ -46,7 +48,7 @@ impl Canvas {
 }
 
 impl Advance for Canvas {
-    fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64) {
+    fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, _: &mut dyn FnMut() -> bool) -> f64 {
         match (frame.world.gravity.is_some(), frame.world.walls.is_some()) {
             (false, false) => move_balls::<false, false>(frame, seconds),
             (false, true) => move_balls::<false, true>(frame, seconds),
@@ -61,13 +63,8 @@ impl Advance for Canvas {
             (Search::AllPairs, Some(Form::Elastic)) => all_pairs(frame, collide::<true>),
             (Search::AllPairs, Some(Form::Inelastic)) => all_pairs(frame, collide::<false>),
             (Search::Grid(grid), None) => {
-                // Flags are the same in any order, so no pair is kept.
                 frame.touching.fill(false);
-                let Frame { balls, touching, .. } = frame;
-                grid.for_each(balls, |i, j| {
-                    touching[i as usize] = true;
-                    touching[j as usize] = true;
-                });
+                frame.show_overlaps(grid);
             }
             (Search::Grid(grid), Some(form)) => {
                 grid.find(frame.balls);
@@ -78,16 +75,11 @@ impl Advance for Canvas {
                 }
             }
         }
+        seconds
     }
 
     fn parts(&self, world: &World) -> Vec<Part> {
-        let mut parts = vec![Part::Motion];
-        if world.gravity.is_some() {
-            parts.push(Part::Gravity);
-        }
-        if world.walls.is_some() {
-            parts.push(Part::Walls);
-        }
+        let mut parts = Part::of_motion(world);
         match self.search {
             Search::Nothing => return parts,
             Search::AllPairs => parts.push(Part::AllPairs),
@@ -106,19 +98,24 @@ fn move_balls<const GRAVITY: bool, const WALLS: bool>(frame: &mut Frame<'_>, sec
     let gravity = frame.world.gravity.unwrap_or_default() * seconds;
     let restitution = frame.world.walls.unwrap_or_default();
     let size = frame.world.size;
-    let mut hits = 0;
+    let (mut hits, mut impulse) = (0, DVec2::ZERO);
     for ball in &mut *frame.balls {
         if GRAVITY {
             ball.velocity += gravity;
         }
         ball.position += ball.velocity * seconds;
         if WALLS {
-            let (radius, high) = (ball.radius, size - ball.radius);
-            hits += bounce(&mut ball.position.x, &mut ball.velocity.x, radius, high.x, restitution);
-            hits += bounce(&mut ball.position.y, &mut ball.velocity.y, radius, high.y, restitution);
+            let (radius, high, before) = (ball.radius, size - ball.radius, ball.velocity);
+            let hit = bounce(&mut ball.position.x, &mut ball.velocity.x, radius, high.x, restitution)
+                + bounce(&mut ball.position.y, &mut ball.velocity.y, radius, high.y, restitution);
+            if hit > 0 {
+                hits += hit;
+                impulse += ball.mass * (ball.velocity - before);
+            }
         }
     }
     frame.tally.wall_hits += hits;
+    frame.tally.wall_impulse += impulse;
 }
 
 /// One axis of a ball against its two walls; 1 where it hit one.

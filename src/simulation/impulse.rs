@@ -50,27 +50,40 @@ pub(super) fn canvas_impact(form: Form, first: &Ball, second: &Ball) -> Option<(
     Some((normal * after1 + tangent * v1t, normal * after2 + tangent * v2t))
 }
 
-/// The changes of velocity, each along the line of centres, of two balls whose relative position is `distance` and
-/// whose relative velocity is `velocity` (first less second), by an impact with restitution `e`. `yields` are their
-/// inverse masses, axis by axis: 0 where a wall holds a ball.
+/// The changes of velocity of two balls whose relative position is `distance` and whose relative velocity is
+/// `velocity` (first less second), by an impact with restitution `e`. `shares` of the change of relative velocity are
+/// theirs: each the other's mass over the sum of both.
 ///
 /// It is written with Δv·Δr/|Δr|²·Δr, without a unit normal, whose rounding would make the energy drift.
 #[inline]
-pub(super) fn exact_impact(
+pub(super) fn exact_impact(distance: DVec2, velocity: DVec2, shares: (f64, f64), e: f64) -> (DVec2, DVec2) {
+    let distance = direction(distance);
+    let change = distance * (-(1.0 + e) * velocity.dot(distance) / distance.length_squared());
+    (change * shares.0, change * -shares.1)
+}
+
+/// The same where walls may hold a ball: `yields` are the balls' inverse masses axis by axis, 0 where one cannot give
+/// way. Balls that are both held in the line of centres keep their velocities.
+pub(super) fn held_impact(
     distance: DVec2,
     velocity: DVec2,
     yields: (DVec2, DVec2),
     e: f64,
-) -> Option<(DVec2, DVec2)> {
-    let distance = if distance.length_squared() < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { distance };
+) -> (DVec2, DVec2) {
+    let distance = direction(distance);
     let (first, second) = (yields.0 * distance, yields.1 * distance);
     let give = (first + second).dot(distance);
-    // Both are held by walls in every direction that counts.
     if give <= 0.0 {
-        return None;
+        return (DVec2::ZERO, DVec2::ZERO);
     }
     let impulse = -(1.0 + e) * velocity.dot(distance) / give;
-    Some((first * impulse, -second * impulse))
+    (first * impulse, -second * impulse)
+}
+
+/// The line of centres, of any length.
+#[inline]
+fn direction(distance: DVec2) -> DVec2 {
+    if distance.length_squared() < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { distance }
 }
 
 /// The unit vector along `difference`, component by component over its length.
@@ -130,9 +143,15 @@ mod tests {
     /// From taking all to giving all back; with one of them, four digits of e·v are left beside v.
     const RESTITUTIONS: [f64; 4] = [0.0, 1e-12, 0.5, 1.0];
 
+    /// The impact of two free balls, in both forms of the law.
+    fn free_impacts(distance: DVec2, velocity: DVec2, (m1, m2): (f64, f64), e: f64) -> [(DVec2, DVec2); 2] {
+        let shares = (m2 / (m1 + m2), m1 / (m1 + m2));
+        let yields = (DVec2::splat(1.0 / m1), DVec2::splat(1.0 / m2));
+        [exact_impact(distance, velocity, shares, e), held_impact(distance, velocity, yields, e)]
+    }
+
     /// How far the speed of parting is from e times that of approach, as a fraction of the relative speed.
-    fn violation(distance: DVec2, velocity: DVec2, yields: (DVec2, DVec2), e: f64) -> f64 {
-        let (first, second) = exact_impact(distance, velocity, yields, e).unwrap();
+    fn violation(distance: DVec2, velocity: DVec2, (first, second): (DVec2, DVec2), e: f64) -> f64 {
         let along = distance.normalize();
         let approach = -velocity.dot(along);
         let parting = (velocity + first - second).dot(along);
@@ -146,14 +165,15 @@ mod tests {
             for e in RESTITUTIONS {
                 for velocity in [DVec2::new(40.0, 7.0), DVec2::new(1e8, -1e8), DVec2::new(1e-6, 0.0)] {
                     for (m1, m2) in [(1.0, mass), (mass, 1.0)] {
-                        let yields = (DVec2::splat(1.0 / m1), DVec2::splat(1.0 / m2));
-                        let (first, second) = exact_impact(distance, velocity, yields, e).unwrap();
-                        let given = m1 * first;
-                        assert!((given + m2 * second).length() <= 4.0 * f64::EPSILON * given.length());
-                        // They push along the line of centres, and away from each other.
-                        assert!(first.perp_dot(distance).abs() <= 4.0 * f64::EPSILON * first.length() * 13.0);
-                        assert!(first.dot(distance) > 0.0 && second.dot(distance) < 0.0);
-                        assert!(violation(distance, velocity, yields, e) <= 4.0 * f64::EPSILON);
+                        for changes in free_impacts(distance, velocity, (m1, m2), e) {
+                            let (first, second) = changes;
+                            let given = m1 * first;
+                            assert!((given + m2 * second).length() <= 4.0 * f64::EPSILON * given.length());
+                            // They push along the line of centres, and away from each other.
+                            assert!(first.perp_dot(distance).abs() <= 52.0 * f64::EPSILON * first.length());
+                            assert!(first.dot(distance) > 0.0 && second.dot(distance) < 0.0);
+                            assert!(violation(distance, velocity, changes, e) <= 4.0 * f64::EPSILON);
+                        }
                     }
                 }
             }
@@ -167,14 +187,14 @@ mod tests {
         let (v1, v2) = (DVec2::new(-60.0, -10.0), DVec2::new(15.0, 20.0));
         for m1 in [1.0, 1e4, 1e9, 1e14] {
             for e in RESTITUTIONS {
-                let yields = (DVec2::splat(1.0 / m1), DVec2::splat(1.0 / m2));
-                let (first, second) = exact_impact(distance, v1 - v2, yields, e).unwrap();
                 // ½m(v + Δv)² − ½mv², without the difference of the squares.
                 let gained = |mass: f64, v: DVec2, change: DVec2| mass * change.dot(v + 0.5 * change);
                 let approach = (v1 - v2).dot(distance) / 5.0;
                 let lost = 0.5 * (1.0 - e * e) * approach * approach / (1.0 / m1 + 1.0 / m2);
-                let (one, other) = (gained(m1, v1, first), gained(m2, v2, second));
-                assert!((one + other + lost).abs() <= 8.0 * f64::EPSILON * (one.abs() + other.abs()));
+                for (first, second) in free_impacts(distance, v1 - v2, (m1, m2), e) {
+                    let (one, other) = (gained(m1, v1, first), gained(m2, v2, second));
+                    assert!((one + other + lost).abs() <= 8.0 * f64::EPSILON * (one.abs() + other.abs()));
+                }
             }
         }
     }
@@ -186,12 +206,13 @@ mod tests {
         for mass in [1.0, 1e14] {
             for e in RESTITUTIONS {
                 let yields = (DVec2::new(1.0 / mass, 0.0), DVec2::ONE);
-                let (first, second) = exact_impact(distance, velocity, yields, e).unwrap();
+                let changes = held_impact(distance, velocity, yields, e);
+                let (first, second) = changes;
                 assert_eq!(first.y, 0.0);
                 assert!(first.x < 0.0 && second.x > 0.0 && second.y < 0.0);
                 // The floor takes the vertical momentum and nothing of the horizontal.
                 assert!((mass * first.x + second.x).abs() <= 4.0 * f64::EPSILON * second.x);
-                assert!(violation(distance, velocity, yields, e) <= 4.0 * f64::EPSILON);
+                assert!(violation(distance, velocity, changes, e) <= 4.0 * f64::EPSILON);
             }
         }
     }
@@ -200,18 +221,20 @@ mod tests {
     fn balls_that_walls_hold_in_every_direction_that_counts_do_not_push_each_other() {
         let below = DVec2::new(0.0, 10.0);
         let floor = DVec2::new(1.0, 0.0);
-        assert_eq!(exact_impact(below, DVec2::new(5.0, -5.0), (floor, floor), 1.0), None);
-        assert_eq!(exact_impact(below, DVec2::new(5.0, -5.0), (DVec2::ZERO, DVec2::ZERO), 1.0), None);
+        for held in [floor, DVec2::ZERO] {
+            let changes = held_impact(below, DVec2::new(5.0, -5.0), (held, held), 1.0);
+            assert_eq!(changes, (DVec2::ZERO, DVec2::ZERO));
+        }
     }
 
     #[test]
     fn coincident_centres_give_the_exact_law_a_fixed_direction_too() {
         for distance in [DVec2::ZERO, DVec2::new(0.0, 1e-200)] {
             for e in RESTITUTIONS {
-                let yields = (DVec2::ONE, DVec2::splat(1.0 / 3.0));
-                let (first, second) = exact_impact(distance, DVec2::new(-8.0, 3.0), yields, e).unwrap();
-                assert!((first - DVec2::new(6.0 * (1.0 + e), 0.0)).length() <= 8.0 * 4.0 * f64::EPSILON);
-                assert!((second + DVec2::new(2.0 * (1.0 + e), 0.0)).length() <= 8.0 * 4.0 * f64::EPSILON);
+                for (first, second) in free_impacts(distance, DVec2::new(-8.0, 3.0), (1.0, 3.0), e) {
+                    assert!((first - DVec2::new(6.0 * (1.0 + e), 0.0)).length() <= 32.0 * f64::EPSILON);
+                    assert!((second + DVec2::new(2.0 * (1.0 + e), 0.0)).length() <= 32.0 * f64::EPSILON);
+                }
             }
         }
     }

@@ -38,6 +38,13 @@ pub const SIZE: Quantity = Quantity { name: "size", unit: "px", low: 1.0, high: 
 /// The delta of one frame. Eleven days in one step are a mistake of the caller's, not a frame.
 pub const DELTA: Quantity = Quantity { name: "delta", unit: "s", low: 0.0, high: 1e6 };
 
+/// The speed below which bouncing counts as rest.
+pub const REST_SPEED: Quantity = Quantity { name: "rest speed", unit: "px/s", low: 1e-9, high: 1e9 };
+
+/// The rest speed of a simulation that is not told otherwise, px/s. A hop that is left out is then half a thousandth of
+/// a pixel high under the demo's gravity.
+pub const DEFAULT_REST_SPEED: f64 = 1.0;
+
 /// The most balls that one simulation takes: their indices are `u32`, and ten million balls fill a gigabyte.
 pub const MAX_BALLS: usize = 10_000_000;
 
@@ -104,7 +111,9 @@ mod tests {
 
     #[test]
     fn the_ends_of_a_range_are_in_it_and_their_neighbours_outside_are_not() {
-        for quantity in [&COORDINATE, &VELOCITY, &RADIUS, &MASS, &RESTITUTION, &GRAVITY, &SIZE, &DELTA] {
+        for quantity in
+            [&COORDINATE, &VELOCITY, &RADIUS, &MASS, &RESTITUTION, &GRAVITY, &SIZE, &DELTA, &REST_SPEED]
+        {
             assert!(quantity.check(quantity.low).is_ok() && quantity.check(quantity.high).is_ok());
             assert!(quantity.check(quantity.low.next_down()).is_err());
             assert!(quantity.check(quantity.high.next_up()).is_err());

@@ -21,7 +21,8 @@ use glam::DVec2;
 pub use ball::Ball;
 use canvas::Canvas;
 use exact::Exact;
-use limits::{DELTA, MAX_BALLS, OutOfRange};
+use grid::Grid;
+use limits::{DEFAULT_REST_SPEED, DELTA, MAX_BALLS, OutOfRange, REST_SPEED};
 pub use world::{Pairs, World};
 
 /// Balls, the world that they move in, and the solver that moves them.
@@ -42,6 +43,7 @@ pub struct Simulation {
     balls: Vec<Ball>,
     touching: Vec<bool>,
     solver: Solver,
+    rest_speed: f64,
     engine: Box<dyn Advance>,
     time: f64,
     tally: Tally,
@@ -57,12 +59,15 @@ pub enum Solver {
 }
 
 /// What has happened since the simulation began.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tally {
     /// Impacts between two balls.
     pub impacts: u64,
     /// Impacts of a ball on a wall.
     pub wall_hits: u64,
+    /// The momentum that these have given the balls, mass·px/s. What a wall carries of balls that rest on it is not
+    /// in it.
+    pub wall_impulse: DVec2,
 }
 
 /// A part of a solver's work that a simulation may need or leave out.
@@ -108,8 +113,9 @@ pub enum BuildError {
 /// A solver is made for one world and one set of balls, and decides then which of its parts run; whoever changes
 /// either makes it anew. It keeps what it needs between frames, and leaves in `frame` what is to be shown.
 trait Advance: fmt::Debug + Send {
-    /// Moves on by `seconds`, which is finite and not negative.
-    fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64);
+    /// Moves on by `seconds`, which is finite and not negative. Where the work may be long it asks `go_on` now and
+    /// then, and stops where that says no. Returns the seconds that it has moved on.
+    fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64;
     /// The parts that run.
     fn parts(&self, world: &World) -> Vec<Part>;
 }
@@ -122,6 +128,17 @@ struct Frame<'a> {
     tally: &'a mut Tally,
 }
 
+impl Frame<'_> {
+    /// Flags the balls that overlap. Flags are the same in any order, so no pair is kept.
+    fn show_overlaps(&mut self, grid: &mut Grid) {
+        let Frame { balls, touching, .. } = self;
+        grid.for_each(balls, |i, j| {
+            touching[i as usize] = true;
+            touching[j as usize] = true;
+        });
+    }
+}
+
 impl Simulation {
     /// A simulation at time 0.
     ///
@@ -130,8 +147,32 @@ impl Simulation {
     pub fn new(world: World, balls: Vec<Ball>, solver: Solver) -> Result<Self, BuildError> {
         check_fit(&world, &balls, 0)?;
         let touching = vec![false; balls.len()];
-        let engine = solver.engine(&world, &balls);
-        Ok(Self { world, balls, touching, solver, engine, time: 0.0, tally: Tally::default() })
+        let rest_speed = DEFAULT_REST_SPEED;
+        let engine = solver.engine(&world, &balls, rest_speed);
+        let (time, tally) = (0.0, Tally::default());
+        Ok(Self { world, balls, touching, solver, rest_speed, engine, time, tally })
+    }
+
+    /// The same simulation with another rest speed, px/s. [`Solver::Exact`] lays a ball to rest on a wall where it
+    /// would bounce off more slowly, and takes no energy from balls that chatter against each other below it; the
+    /// other solvers do not know it. It starts at [`DEFAULT_REST_SPEED`].
+    ///
+    /// A smaller one follows more, and smaller, bounces: the hops that are left out are up to u²/2g high, and a ball
+    /// that bounces to rest does so up to 2u/g/(1 − e) seconds too early; the number of chattering impacts of balls
+    /// that lie on each other grows as 1/u.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where the speed is not in the range of rest speeds.
+    pub fn with_rest_speed(mut self, rest_speed: f64) -> Result<Self, OutOfRange> {
+        self.rest_speed = REST_SPEED.check(rest_speed)?;
+        self.rebuild();
+        Ok(self)
+    }
+
+    /// The speed below which bouncing counts as rest, px/s.
+    #[must_use]
+    pub fn rest_speed(&self) -> f64 {
+        self.rest_speed
     }
 
     /// Moves on by `seconds`, from 0 to [`limits::DELTA`]'s upper end. What a delta of 0 does is up to the solver:
@@ -140,11 +181,25 @@ impl Simulation {
     /// # Errors
     /// [`OutOfRange`] for a delta that is negative, too large or not a number; nothing has moved then.
     pub fn advance(&mut self, seconds: f64) -> Result<(), OutOfRange> {
+        self.advance_while(seconds, || true).map(drop)
+    }
+
+    /// Moves on by up to `seconds`, and returns by how much: less only where `go_on` said no. A solver whose work may
+    /// be long asks it now and then, so that whoever shows the simulation can go on in time; the state is that of the
+    /// time reached, and what follows is the same as if there had been no stop.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] as for [`advance`](Self::advance).
+    pub fn advance_while(
+        &mut self,
+        seconds: f64,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Result<f64, OutOfRange> {
         DELTA.check(seconds)?;
         let Self { world, balls, touching, tally, .. } = self;
-        self.engine.advance(&mut Frame { world, balls, touching, tally }, seconds);
-        self.time += seconds;
-        Ok(())
+        let done = self.engine.advance(&mut Frame { world, balls, touching, tally }, seconds, &mut go_on);
+        self.time += done;
+        Ok(done)
     }
 
     /// The balls as they are now.
@@ -249,7 +304,7 @@ impl Simulation {
     }
 
     fn rebuild(&mut self) {
-        self.engine = self.solver.engine(&self.world, &self.balls);
+        self.engine = self.solver.engine(&self.world, &self.balls, self.rest_speed);
     }
 }
 
@@ -282,10 +337,10 @@ impl Solver {
         }
     }
 
-    fn engine(self, world: &World, balls: &[Ball]) -> Box<dyn Advance> {
+    fn engine(self, world: &World, balls: &[Ball], rest_speed: f64) -> Box<dyn Advance> {
         match self {
             Self::Canvas => Box::new(Canvas::new(world, balls)),
-            Self::Exact => Box::new(Exact::new(world, balls)),
+            Self::Exact => Box::new(Exact::new(world, balls, rest_speed)),
         }
     }
 }
@@ -317,6 +372,18 @@ impl fmt::Display for UnknownSolver {
 }
 
 impl std::error::Error for UnknownSolver {}
+
+impl Part {
+    /// The parts that move single balls.
+    fn of_motion(world: &World) -> Vec<Self> {
+        let parts = [
+            (true, Self::Motion),
+            (world.gravity.is_some(), Self::Gravity),
+            (world.walls.is_some(), Self::Walls),
+        ];
+        parts.into_iter().filter_map(|(runs, part)| runs.then_some(part)).collect()
+    }
+}
 
 impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -12,15 +12,25 @@ const SECOND: f64 = (1_u128 << 80) as f64;
 const SHOWN: u128 = 1 << 34;
 
 impl Clock {
-    /// Goes on by `seconds`, not negative.
-    pub(super) fn add(&mut self, seconds: f64) {
-        self.0 += (seconds * SECOND) as u128;
+    /// The time `seconds` later, not negative.
+    pub(super) fn after(self, seconds: f64) -> Self {
+        Self(self.0 + (seconds * SECOND) as u128)
     }
 
     /// The nearest time at which a frame is shown, in seconds since `origin`, a time before.
     pub(super) fn shown_since(self, origin: Self) -> f64 {
         let shown = (self.0 + SHOWN / 2) / SHOWN * SHOWN;
         shown.saturating_sub(origin.0) as f64 / SECOND
+    }
+
+    /// The last time at which a frame is shown that is not later than `seconds` after this one.
+    pub(super) fn shown_before(self, seconds: f64) -> Self {
+        Self(self.after(seconds).0 / SHOWN * SHOWN)
+    }
+
+    /// Seconds since an earlier time.
+    pub(super) fn seconds_since(self, earlier: Self) -> f64 {
+        self.0.saturating_sub(earlier.0) as f64 / SECOND
     }
 }
 
@@ -31,9 +41,18 @@ mod tests {
     #[test]
     fn deltas_that_differ_by_rounding_alone_come_to_the_same_time() {
         for (rate, count) in [(24.0, 120), (60.0, 300), (144.0, 720)] {
-            let mut clock = Clock::default();
-            (0..count).for_each(|_| clock.add(1.0 / rate));
+            let clock = (0..count).fold(Clock::default(), |clock, _| clock.after(1.0 / rate));
             assert_eq!(clock.shown_since(Clock::default()), 5.0);
+        }
+    }
+
+    #[test]
+    fn a_clock_that_stops_before_an_event_does_not_show_it() {
+        let start = Clock::default().after(3.0);
+        for seconds in [0.0, 1e-15, 0.1, 1.0 / 3.0, 7.0] {
+            let stopped = start.shown_before(seconds);
+            let shown = stopped.shown_since(start);
+            assert!(shown <= seconds && seconds - shown < 2e-14, "{seconds}: {shown}");
         }
     }
 }

@@ -75,17 +75,17 @@ impl Pair {
     #[inline]
     pub(super) fn meet(&self) -> f64 {
         let b = self.distance.dot(self.velocity);
-        if b >= 0.0 {
-            return NEVER;
-        }
         let square = self.reach * self.reach;
         let c = self.distance.length_squared() - square;
         if c <= ROUNDING * square {
-            return if self.approaches(b) { 0.0 } else { NEVER };
+            return if b < 0.0 && self.approaches(b) { 0.0 } else { NEVER };
         }
         let across = self.distance.perp_dot(self.velocity);
         let discriminant = self.velocity.length_squared() * square - across * across;
-        if discriminant < 0.0 { NEVER } else { c / (discriminant.sqrt() - b) }
+        // Whether they meet is a toss that no processor can foretell: there is no branch for it.
+        let never = if (b < 0.0) & (discriminant >= 0.0) { 0.0 } else { NEVER };
+        // Of a NaN and another number, `max` is the other.
+        (c / (discriminant.sqrt() - b)).max(never)
     }
 
     /// When they stop overlapping, in straight flight, if they overlap now or touch and approach: the later root of

@@ -1,0 +1,175 @@
+//! What the solver knows of each ball: its flight, and what will end it.
+
+use glam::DVec2;
+
+use crate::simulation::ball::Ball;
+use crate::simulation::flight::{self, NEVER};
+
+use super::cells::{Border, Place};
+
+/// A ball's flight since its last impact, and what will end it: one cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Flight {
+    /// Where the flight began.
+    pub position: DVec2,
+    /// The velocity that it began with.
+    pub velocity: DVec2,
+    /// When it began, s since the origin.
+    pub time: f64,
+    /// The earliest impact foreseen.
+    pub impact: f64,
+    /// The next event: that impact, or before it the crossing of a border between cells.
+    pub event: f64,
+    pub against: Against,
+    pub place: Place,
+}
+
+/// What a ball will hit, in four bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Against(u32);
+
+/// An [`Against`] taken apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Target {
+    Nothing,
+    /// A wall across an axis, at the high or the low end.
+    Wall {
+        axis: usize,
+        high: bool,
+    },
+    Ball(usize),
+}
+
+impl Against {
+    pub(super) const NOTHING: Self = Self(u32::MAX);
+    /// There are fewer balls than this; the four numbers from here on are walls.
+    const WALLS: u32 = u32::MAX - 4;
+
+    pub(super) fn wall(axis: usize, high: bool) -> Self {
+        Self(Self::WALLS + 2 * axis as u32 + u32::from(high))
+    }
+
+    pub(super) fn ball(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    pub(super) fn target(self) -> Target {
+        match self {
+            Self::NOTHING => Target::Nothing,
+            Self(number) if number < Self::WALLS => Target::Ball(number as usize),
+            Self(number) => {
+                let wall = (number - Self::WALLS) as usize;
+                Target::Wall { axis: wall / 2, high: wall % 2 == 1 }
+            }
+        }
+    }
+}
+
+impl Flight {
+    pub(super) fn new(position: DVec2, velocity: DVec2) -> Self {
+        Self {
+            position,
+            velocity,
+            time: 0.0,
+            impact: NEVER,
+            event: NEVER,
+            against: Against::NOTHING,
+            place: Place::default(),
+        }
+    }
+
+    /// Position and velocity at a time, without acceleration.
+    #[inline]
+    pub(super) fn straight(&self, time: f64) -> (DVec2, DVec2) {
+        (self.position + self.velocity * (time - self.time), self.velocity)
+    }
+
+    /// Position and velocity at a time, under an acceleration.
+    #[inline]
+    pub(super) fn at(&self, time: f64, acceleration: DVec2) -> (DVec2, DVec2) {
+        let since = time - self.time;
+        (
+            flight::position(self.position, self.velocity, acceleration, since),
+            self.velocity + acceleration * since,
+        )
+    }
+}
+
+/// What a solver needs of a ball beside its motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Matter {
+    pub radius: f64,
+    pub mass: f64,
+    pub restitution: f64,
+}
+
+impl Matter {
+    pub(super) fn of(ball: &Ball) -> Self {
+        Self { radius: ball.radius, mass: ball.mass, restitution: ball.restitution }
+    }
+}
+
+/// What a ball is doing, a bit each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Marks(u8);
+
+impl Marks {
+    /// It hit another ball, or touched it, since the last frame.
+    pub(super) const HIT: Self = Self(4);
+    /// It has had an impact, so that its flight's beginning is the time of one.
+    pub(super) const STRUCK: Self = Self(8);
+    /// Its last impact was on another ball, and slow: it leans on it.
+    pub(super) const LEANS: Self = Self(16);
+
+    /// It rests on a wall across this axis.
+    pub(super) fn rests_on(axis: usize) -> Self {
+        Self(1 << axis)
+    }
+
+    /// Of an axis each: whether it rests there, as a number from 0 to 3.
+    #[inline]
+    pub(super) fn rests(self) -> usize {
+        usize::from(self.0 & 3)
+    }
+
+    /// The border of its cell that it crosses next, under gravity.
+    #[inline]
+    pub(super) fn border(self) -> Border {
+        Border { axis: usize::from(self.0 >> 5 & 1), up: self.0 >> 6 & 1 == 1 }
+    }
+
+    #[inline]
+    pub(super) fn set_border(&mut self, Border { axis, up }: Border) {
+        self.0 = self.0 & !0x60 | (axis as u8) << 5 | u8::from(up) << 6;
+    }
+
+    #[inline]
+    pub(super) fn has(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    #[inline]
+    pub(super) fn set(&mut self, other: Self, on: bool) {
+        if on { self.0 |= other.0 } else { self.0 &= !other.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flight_fills_one_cache_line() {
+        assert_eq!(size_of::<Flight>(), 64);
+    }
+
+    #[test]
+    fn what_a_ball_will_hit_comes_apart_as_it_was_put_together() {
+        assert_eq!(Against::NOTHING.target(), Target::Nothing);
+        assert_eq!(Against::ball(9_999_999).target(), Target::Ball(9_999_999));
+        for (axis, high) in [(0, false), (0, true), (1, false), (1, true)] {
+            assert_eq!(Against::wall(axis, high).target(), Target::Wall { axis, high });
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! What comes next for a ball: the earliest of its impacts on walls and other balls, and of the borders that it crosses.
+
+use crate::simulation::flight::{self, NEVER, Pair};
+
+use super::cells::{Border, Place};
+use super::flights::Against;
+use super::{Exact, Needs};
+
+/// What a ball's own flight leads to, whatever the others do.
+#[derive(Debug, Clone, Copy)]
+struct Ahead {
+    /// When it hits a wall, and which.
+    impact: f64,
+    wall: Against,
+    /// When it leaves its cell, and where.
+    crossing: f64,
+    border: Border,
+}
+
+impl Exact {
+    /// Finds a ball's earliest impact from now on, and whose earliest that is too.
+    pub(super) fn foresee<N: Needs>(&mut self, slot: usize, now: f64) {
+        let ahead = self.ahead::<N>(slot, now, None);
+        let flight = &mut self.flights[slot];
+        (flight.impact, flight.against) = (ahead.impact, ahead.wall);
+        self.meet_others::<N>(slot, now, None);
+        self.write_next::<N>(slot, &ahead);
+    }
+
+    /// Takes a ball over the border of its cell. Its flight stays as it is, and so does the impact foreseen, unless one
+    /// in the cells that have come near is earlier.
+    pub(super) fn cross<N: Needs>(&mut self, slot: usize, now: f64) {
+        let border = self.marks[slot].border();
+        let Some(cells) = &mut self.cells else { return };
+        let from = self.flights[slot].place;
+        self.flights[slot].place = cells.cross(slot, from, border);
+        let ahead = self.ahead::<N>(slot, now, Some(border));
+        let flight = &mut self.flights[slot];
+        if ahead.impact < flight.impact {
+            (flight.impact, flight.against) = (ahead.impact, ahead.wall);
+        }
+        self.meet_others::<N>(slot, now, Some(from));
+        self.write_next::<N>(slot, &ahead);
+    }
+
+    /// Writes what comes first for a ball into the calendar.
+    fn write_next<N: Needs>(&mut self, slot: usize, ahead: &Ahead) {
+        let flight = &mut self.flights[slot];
+        flight.event = ahead.crossing.min(flight.impact);
+        self.marks[slot].set_border(ahead.border);
+        self.calendar.write(flight.event, slot as u32);
+    }
+
+    /// Walls, where the ball is in a cell at the edge, and the borders of its cell.
+    ///
+    /// All times are counted from the flight's beginning, so that they are the same whenever they are asked for. Where
+    /// the ball comes over a border now, that is `crossed`.
+    #[inline]
+    fn ahead<N: Needs>(&self, slot: usize, now: f64, crossed: Option<Border>) -> Ahead {
+        let flight = &self.flights[slot];
+        let (pull, radius) = (self.pull::<N>(slot), self.matter::<N>(slot).radius);
+        let mut ahead =
+            Ahead { impact: NEVER, wall: Against::NOTHING, crossing: NEVER, border: Border::default() };
+        for axis in 0..2 {
+            let (at, speed, pull) = (flight.position[axis], flight.velocity[axis], pull[axis]);
+            let mut look = |up: bool| {
+                let sign = if up { 1.0 } else { -1.0 };
+                let reach =
+                    |line: f64| flight.time + flight::reach(sign * (line - at), sign * speed, sign * pull);
+                let border = Border { axis, up };
+                let line = self.cells.as_ref().and_then(|cells| cells.line::<N>(slot, flight.place, border));
+                if let Some(line) = line {
+                    let time = reach(line);
+                    // A border that was crossed on the way out is behind; so is the other side of one crossed now.
+                    let behind = || time < now || (time == now && crossed == Some(Border { axis, up: !up }));
+                    if time < ahead.crossing && !(N::GRAVITY && behind()) {
+                        (ahead.crossing, ahead.border) = (time, border);
+                    }
+                } else if self.walls.is_some() {
+                    let time = reach(if up { self.size[axis] - radius } else { radius });
+                    if time < ahead.impact {
+                        (ahead.impact, ahead.wall) = (time, Against::wall(axis, up));
+                    }
+                }
+            };
+            if N::GRAVITY {
+                look(false);
+                look(true);
+            } else if speed != 0.0 {
+                // Straight ahead there is one side alone.
+                look(speed > 0.0);
+            }
+        }
+        ahead
+    }
+
+    /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
+    /// other's earliest. With `from`, only those that have come near by a move from that cell are looked at.
+    #[inline]
+    fn meet_others<N: Needs>(&mut self, slot: usize, now: f64, from: Option<Place>) {
+        let Some(cells) = &self.cells else { return };
+        let flight = &self.flights[slot];
+        let (position, velocity) = self.state::<N>(slot, now);
+        let (mut first, mut partner) = (flight.impact, slot);
+        let radius = self.matter::<N>(slot).radius;
+        cells.for_each_near::<N>(slot, flight.place, from, |other| {
+            if other == slot {
+                return;
+            }
+            let (their_position, their_velocity) = self.state::<N>(other, now);
+            let pair = Pair {
+                distance: their_position - position,
+                velocity: their_velocity - velocity,
+                reach: radius + self.matter::<N>(other).radius,
+                own: velocity,
+            };
+            let time = if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
+                now + pair.meet_accelerated(self.pull::<N>(other) - self.pull::<N>(slot), first - now)
+            } else {
+                now + pair.meet()
+            };
+            if time < first && time < self.flights[other].impact {
+                (first, partner) = (time, other);
+            }
+        });
+        if partner != slot {
+            (self.flights[slot].impact, self.flights[slot].against) = (first, Against::ball(partner));
+            let other = &mut self.flights[partner];
+            (other.impact, other.against) = (first, Against::ball(slot));
+            if first < other.event {
+                other.event = first;
+                self.calendar.write(first, partner as u32);
+            }
+        }
+    }
+}
