@@ -22,10 +22,10 @@ fn ball(x: f64, y: f64, radius: f64, vx: f64, vy: f64) -> Ball {
     Ball::new(DVec2::new(x, y), radius).unwrap().with_velocity(DVec2::new(vx, vy)).unwrap()
 }
 
-fn gas(count: usize, speed: f64, seed: u64, more: &str) -> Simulation {
+fn gas(count: usize, speed: f64, seed: u64) -> Simulation {
     let side = (count as f64 * 9.0 * std::f64::consts::PI / 0.2).sqrt().ceil();
     let file = format!(
-        "solver = \"exact\"\nsize = [{side}, {side}]\n{more}\n[walls]\n[pairs]\n\
+        "solver = \"exact\"\nsize = [{side}, {side}]\n[walls]\n[pairs]\n\
          [[fill]]\ncount = {count}\nradius = 3\nspeed = [0, {speed}]\nseed = {seed}\n"
     );
     Scene::parse("gas", &file).unwrap().build().unwrap()
@@ -37,6 +37,11 @@ fn state(simulation: &Simulation) -> Vec<u64> {
         [p.x, p.y, v.x, v.y].map(f64::to_bits)
     };
     simulation.balls().iter().flat_map(of).collect()
+}
+
+/// What momenta are small against.
+fn sum_of_momenta(simulation: &Simulation) -> f64 {
+    simulation.balls().iter().map(|ball| ball.mass() * ball.velocity().length()).sum()
 }
 
 fn energy(simulation: &Simulation) -> f64 {
@@ -160,7 +165,7 @@ fn newtons_cradle_of_five_hands_the_velocity_on_exactly() {
 
 #[test]
 fn an_elastic_gas_keeps_its_energy_and_overlaps_nowhere() {
-    let mut simulation = gas(1000, 200.0, 7, "");
+    let mut simulation = gas(1000, 200.0, 7);
     let start = energy(&simulation);
     let mut grid = Grid::new(simulation.balls(), simulation.world().size());
     for _ in 0..600 {
@@ -224,17 +229,28 @@ fn a_crowd_of_any_restitution_under_oblique_gravity_stays_inside_and_gains_no_en
 }
 
 #[test]
-fn momentum_is_kept_without_walls_and_unequal_masses_come_to_equal_energies() {
-    // No walls: nothing takes momentum away.
+fn momentum_is_kept_without_walls() {
     let file = "solver = \"exact\"\nsize = [400, 400]\n[pairs]\n[[fill]]\ncount = 300\nradius = [3, 9]\nspeed = [0, 300]\ndensity = 1\n";
     let mut simulation = Scene::parse("free", file).unwrap().build().unwrap();
     let start = momentum(simulation.balls());
-    let scale: f64 = simulation.balls().iter().map(|ball| ball.mass() * ball.velocity().length()).sum();
     simulation.advance(5.0).unwrap();
     assert!(simulation.tally().impacts > 100);
-    assert!((momentum(simulation.balls()) - start).length() < 1e-13 * scale);
+    assert!((momentum(simulation.balls()) - start).length() < 1e-13 * sum_of_momenta(&simulation));
+}
 
-    // Equipartition (Maxwell 1860): in the mean over time, heavy and light balls have the same kinetic energy.
+#[test]
+fn momentum_with_the_share_of_the_walls_is_kept() {
+    let mut simulation = gas(1000, 200.0, 3);
+    let start = momentum(simulation.balls());
+    simulation.advance(20.0).unwrap();
+    assert!(simulation.tally().impacts > 50_000 && simulation.tally().wall_hits > 5_000);
+    let change = momentum(simulation.balls()) - start - simulation.tally().wall_impulse;
+    assert!(change.length() < 1e-10 * sum_of_momenta(&simulation), "{change}");
+}
+
+#[test]
+fn unequal_masses_come_to_equal_mean_energies() {
+    // Equipartition (Maxwell 1860).
     let file = "solver = \"exact\"\nsize = [300, 300]\n[walls]\n[pairs]\n\
                 [[fill]]\ncount = 100\nradius = 4\nspeed = 200\nmass = 1\n\
                 [[fill]]\ncount = 100\nradius = 4\nspeed = 200\nmass = 16\nseed = 2\n";
@@ -247,4 +263,52 @@ fn momentum_is_kept_without_walls_and_unequal_masses_come_to_equal_energies() {
         heavy += kinetic_energy(&simulation.balls()[100..]);
     }
     assert!((light / heavy - 1.0).abs() < 0.03, "{}", light / heavy);
+}
+
+#[test]
+fn in_detect_a_ball_is_flagged_from_its_entry_to_its_exit_and_in_no_other_frame() {
+    let world = world(1000.0, 400.0).with_walls(1.0).unwrap().with_pairs(Pairs::Detect);
+    let balls = vec![
+        ball(100.0, 100.0, 30.0, 200.0, 0.0),
+        ball(502.0, 130.0, 20.0, -100.0, 0.0),
+        // Bounces off the floor into a third and out of it again.
+        ball(700.0, 299.0, 10.0, 0.0, 300.0),
+        ball(700.0, 200.0, 20.0, 0.0, 0.0),
+    ];
+    // |Δ| = 50 with Δ = (402 − 300t, 30): 300t = 402 ∓ 40. The third has 91 px to fall, and 160 … 220 to rise.
+    let overlaps = [(362.0 / 300.0, 442.0 / 300.0), (251.0 / 300.0, 311.0 / 300.0)];
+    for rate in [7.0, 60.0, 1000.0] {
+        let mut simulation = Simulation::new(world, balls.clone(), Solver::Exact).unwrap();
+        let frames = (1.6 * rate) as u32;
+        for frame in 1..=frames {
+            simulation.advance(1.0 / rate).unwrap();
+            let (from, to) = (f64::from(frame - 1) / rate, f64::from(frame) / rate);
+            let expected = overlaps.map(|(entry, exit)| entry <= to && exit >= from);
+            let [first, second] = expected;
+            assert_eq!(simulation.touching(), [first, first, second, second], "frame {frame} at {rate} Hz");
+        }
+        assert_eq!(simulation.tally().impacts, 0);
+    }
+}
+
+#[test]
+fn in_detect_what_overlaps_at_the_moment_of_a_frame_is_flagged_with_gravity_too() {
+    for gravity in [0.0, 980.0] {
+        let mut simulation = exact("walls");
+        simulation.set_gravity(DVec2::new(0.0, gravity)).unwrap();
+        let mut grid = Grid::new(simulation.balls(), simulation.world().size());
+        let (mut flagged, mut overlapping) = (0, 0);
+        for _ in 0..20_000 {
+            simulation.advance(1e-3).unwrap();
+            let mut now = vec![false; simulation.balls().len()];
+            grid.for_each(simulation.balls(), |i, j| (now[i as usize], now[j as usize]) = (true, true));
+            for (ball, (now, flag)) in now.iter().zip(simulation.touching()).enumerate() {
+                assert!(flag | !now, "ball {ball} at {}", simulation.time());
+                flagged += u32::from(*flag);
+                overlapping += u32::from(*now);
+            }
+        }
+        // A frame in which balls part counts too, and little else.
+        assert!(overlapping > 20_000 && flagged < overlapping + overlapping / 10, "{flagged} {overlapping}");
+    }
 }

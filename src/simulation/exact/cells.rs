@@ -174,11 +174,7 @@ impl Cells {
         }
         let mut place = place;
         let coordinate = if border.axis == 0 { &mut place.column } else { &mut place.row };
-        if border.up {
-            *coordinate += 1
-        } else {
-            *coordinate -= 1
-        }
+        *coordinate = if border.up { *coordinate + 1 } else { *coordinate - 1 };
         self.put(ball, place);
         place
     }

@@ -3,7 +3,7 @@
 use crate::simulation::flight::{self, NEVER, Pair};
 
 use super::cells::{Border, Place};
-use super::flights::Against;
+use super::flights::{Against, Marks};
 use super::{Exact, Needs};
 
 /// What a ball's own flight leads to, whatever the others do.
@@ -41,6 +41,27 @@ impl Exact {
         }
         self.meet_others::<N>(slot, now, Some(from));
         self.write_next::<N>(slot, &ahead);
+    }
+
+    /// Whether two balls that fly through each other overlap now.
+    fn overlap(&self, slot: usize, other: usize) -> bool {
+        self.overlaps.as_ref().is_some_and(|overlaps| overlaps[slot].contains(&(other as u32)))
+    }
+
+    /// One ball begins to overlap another, or ceases to. Both fly on.
+    pub(super) fn pass<N: Needs>(&mut self, one: usize, other: usize, now: f64) {
+        let inside = self.overlap(one, other);
+        let Some(overlaps) = &mut self.overlaps else { return };
+        for (slot, other) in [(one, other as u32), (other, one as u32)] {
+            if inside {
+                overlaps[slot].retain(|&overlapped| overlapped != other);
+            } else {
+                overlaps[slot].push(other);
+            }
+            self.marks[slot].set(Marks::HIT, true);
+        }
+        self.foresee::<N>(one, now);
+        self.foresee::<N>(other, now);
     }
 
     /// Writes what comes first for a ball into the calendar.
@@ -114,11 +135,21 @@ impl Exact {
                 reach: radius + self.matter::<N>(other).radius,
                 own: velocity,
             };
-            let time = if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
-                now + pair.meet_accelerated(self.pull::<N>(other) - self.pull::<N>(slot), first - now)
-            } else {
-                now + pair.meet()
-            };
+            let inside = N::DETECT && self.overlap(slot, other);
+            let time = now
+                + if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
+                    let pull = self.pull::<N>(other) - self.pull::<N>(slot);
+                    let limit = first - now;
+                    if inside {
+                        pair.part_accelerated(pull, limit)
+                    } else {
+                        pair.meet_accelerated(pull, limit)
+                    }
+                } else if inside {
+                    pair.part()
+                } else {
+                    pair.meet()
+                };
             if time < first && time < self.flights[other].impact {
                 (first, partner) = (time, other);
             }

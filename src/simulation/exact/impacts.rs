@@ -1,9 +1,9 @@
 //! What happens at an impact, and how balls come to rest.
 //!
-//! With restitution below 1, ever smaller hops would follow each other without end (McNamara & Young 1992). A ball
+//! With restitution below 1, ever smaller hops would follow each other without end (`McNamara` & Young 1992). A ball
 //! rests on a wall that gravity presses it to when it would bounce off more slowly than the rest speed u; it slides on
 //! without friction, until an impact lifts it. Balls that hit each other more slowly than u, and within 2u/g of an
-//! impact before, lose nothing: the TC model of Luding & McNamara (1998).
+//! impact before, lose nothing: the TC model of Luding & `McNamara` (1998).
 
 use glam::DVec2;
 

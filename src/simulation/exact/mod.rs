@@ -49,10 +49,10 @@ pub(super) struct Exact {
     /// One for each slot, or one for all where they are alike.
     matter: Vec<Matter>,
     calendar: Calendar,
-    /// Where pairs exchange momentum.
+    /// Where pairs meet.
     cells: Option<Cells>,
-    /// Where they are only detected.
-    grid: Option<Grid>,
+    /// Where they only fly through each other: whom each slot's ball overlaps now.
+    overlaps: Option<Vec<Vec<u32>>>,
     clock: Clock,
     /// When the calendar's year began.
     origin: Clock,
@@ -80,13 +80,16 @@ trait Needs {
     const GRAVITY: bool;
     /// All balls have one radius, mass and restitution.
     const ALIKE: bool;
+    /// They fly through each other.
+    const DETECT: bool;
 }
 
-struct Need<const GRAVITY: bool, const ALIKE: bool>;
+struct Need<const GRAVITY: bool, const ALIKE: bool, const DETECT: bool>;
 
-impl<const G: bool, const A: bool> Needs for Need<G, A> {
+impl<const G: bool, const A: bool, const D: bool> Needs for Need<G, A, D> {
     const GRAVITY: bool = G;
     const ALIKE: bool = A;
+    const DETECT: bool = D;
 }
 
 /// Why the events up to a time are not all taken yet.
@@ -117,14 +120,14 @@ impl Exact {
             matter: Vec::new(),
             calendar: Calendar::new(balls.len()),
             cells: None,
-            grid: (several && world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
+            overlaps: (world.pairs == Some(Pairs::Detect)).then(|| vec![Vec::new(); balls.len()]),
             clock: Clock::default(),
             origin: Clock::default(),
             span: first_span(world, balls),
             hits: 0,
             begun: false,
         };
-        if several && world.pairs == Some(Pairs::Impulse) {
+        if several && world.pairs.is_some() {
             let cells = Cells::new(world, &radii);
             exact.ids.sort_by_cached_key(|&id| cells.order(id as usize, balls[id as usize].position));
             let radii: Vec<f64> = exact.in_order(balls).map(|ball| ball.radius).collect();
@@ -132,7 +135,7 @@ impl Exact {
         }
         exact.flights = exact.in_order(balls).map(|ball| Flight::new(ball.position, ball.velocity)).collect();
         exact.matter = exact.in_order(balls).map(Matter::of).collect();
-        if exact.matter.iter().all(|matter| *matter == exact.matter[0]) {
+        if exact.overlaps.is_none() && exact.matter.iter().all(|matter| *matter == exact.matter[0]) {
             exact.matter.truncate(1);
         }
         exact
@@ -166,7 +169,7 @@ impl Exact {
     }
 
     /// Finds out what comes next for each ball, at the very beginning.
-    fn begin<N: Needs>(&mut self) {
+    fn begin<N: Needs>(&mut self, balls: &[Ball]) {
         self.begun = true;
         self.calendar.begin(self.span);
         if let Some(cells) = &mut self.cells {
@@ -175,16 +178,28 @@ impl Exact {
                 cells.put(slot, flight.place);
             }
         }
+        if let Some(overlaps) = &mut self.overlaps {
+            let balls: Vec<Ball> = self.ids.iter().map(|&id| balls[id as usize]).collect();
+            Grid::new(&balls, self.size).for_each(&balls, |i, j| {
+                overlaps[i as usize].push(j);
+                overlaps[j as usize].push(i);
+            });
+        }
         (0..self.flights.len()).for_each(|slot| self.foresee::<N>(slot, 0.0));
     }
 
     /// Moves on to `target`, or as far as the caller's watch allows; where it got.
-    fn go<N: Needs>(&mut self, tally: &mut Tally, target: Clock, go_on: &mut dyn FnMut() -> bool) -> Clock {
+    fn go<N: Needs>(
+        &mut self,
+        frame: &mut Frame<'_>,
+        target: Clock,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Clock {
         if !self.begun {
-            self.begin::<N>();
+            self.begin::<N>(frame.balls);
         }
         loop {
-            match self.take_events::<N>(tally, target.shown_since(self.origin), go_on) {
+            match self.take_events::<N>(frame.tally, target.shown_since(self.origin), go_on) {
                 None => return target,
                 Some(Pause::NewYear(time)) => self.begin_year(time),
                 Some(Pause::Stopped(time)) => return self.origin.shown_before(time).max(self.clock),
@@ -248,7 +263,11 @@ impl Exact {
                 // Both must still have each other ahead.
                 if theirs.impact == now && theirs.against.target() == Target::Ball(slot) {
                     self.hits += 2;
-                    self.collide::<N>(tally, slot, other, now);
+                    if N::DETECT {
+                        self.pass::<N>(slot, other, now);
+                    } else {
+                        self.collide::<N>(tally, slot, other, now);
+                    }
                 } else {
                     self.foresee::<N>(slot, now);
                 }
@@ -288,11 +307,9 @@ impl Exact {
             (frame.balls[ball].position, frame.balls[ball].velocity) =
                 if N::GRAVITY { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
             let leans = marks.has(Marks::LEANS) && now - flight.time < chatter;
-            frame.touching[ball] = leans || marks.has(Marks::HIT);
+            let inside = self.overlaps.as_ref().is_some_and(|overlaps| !overlaps[slot].is_empty());
+            frame.touching[ball] = leans || inside || marks.has(Marks::HIT);
             marks.set(Marks::HIT, false);
-        }
-        if let Some(grid) = &mut self.grid {
-            frame.show_overlaps(grid);
         }
     }
 
@@ -302,7 +319,7 @@ impl Exact {
         target: Clock,
         go_on: &mut dyn FnMut() -> bool,
     ) {
-        self.clock = self.go::<N>(frame.tally, target, go_on);
+        self.clock = self.go::<N>(frame, target, go_on);
         self.show::<N>(frame);
     }
 }
@@ -321,23 +338,24 @@ fn first_span(world: &World, balls: &[Ball]) -> f64 {
 impl Advance for Exact {
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
         let (from, target) = (self.clock, self.clock.after(seconds));
-        match (self.gravity != DVec2::ZERO, self.alike()) {
-            (false, false) => self.advance_as::<Need<false, false>>(frame, target, go_on),
-            (false, true) => self.advance_as::<Need<false, true>>(frame, target, go_on),
-            (true, false) => self.advance_as::<Need<true, false>>(frame, target, go_on),
-            (true, true) => self.advance_as::<Need<true, true>>(frame, target, go_on),
+        match (self.gravity != DVec2::ZERO, self.alike(), self.overlaps.is_some()) {
+            (false, false, false) => self.advance_as::<Need<false, false, false>>(frame, target, go_on),
+            (false, true, false) => self.advance_as::<Need<false, true, false>>(frame, target, go_on),
+            (true, false, false) => self.advance_as::<Need<true, false, false>>(frame, target, go_on),
+            (true, true, false) => self.advance_as::<Need<true, true, false>>(frame, target, go_on),
+            (false, _, true) => self.advance_as::<Need<false, false, true>>(frame, target, go_on),
+            (true, _, true) => self.advance_as::<Need<true, false, true>>(frame, target, go_on),
         }
         if self.clock == target { seconds } else { self.clock.seconds_since(from) }
     }
 
     fn parts(&self, world: &World) -> Vec<Part> {
         let mut parts = Part::of_motion(world);
-        if self.grid.is_some() {
-            parts.push(Part::Grid);
-        }
         if let Some(cells) = &self.cells {
             parts.push(if cells.single() { Part::AllPairs } else { Part::Grid });
-            parts.push(Part::Impulse);
+            if self.overlaps.is_none() {
+                parts.push(Part::Impulse);
+            }
         }
         if world.walls.is_some() || self.cells.is_some() {
             parts.push(Part::Events);

@@ -41,7 +41,6 @@ impl Pair {
 
     /// When they stop overlapping, where the other is accelerated by `acceleration` relative to the one, if they
     /// overlap now or touch and approach; 0 where they do neither and part. [`NEVER`] where that is not within `limit`.
-    #[cfg_attr(not(test), expect(dead_code, reason = "for the detect mode, which is to come"))]
     pub(in crate::simulation) fn part_accelerated(&self, acceleration: DVec2, limit: f64) -> f64 {
         if acceleration.length_squared() < WEAK * WEAK {
             return within(self.part(), limit);

@@ -83,9 +83,10 @@ impl Pair {
         let across = self.distance.perp_dot(self.velocity);
         let discriminant = self.velocity.length_squared() * square - across * across;
         // Whether they meet is a toss that no processor can foretell: there is no branch for it.
-        let never = if (b < 0.0) & (discriminant >= 0.0) { 0.0 } else { NEVER };
+        let parts = if b < 0.0 { 0.0 } else { NEVER };
+        let misses = if discriminant >= 0.0 { 0.0 } else { NEVER };
         // Of a NaN and another number, `max` is the other.
-        (c / (discriminant.sqrt() - b)).max(never)
+        (c / (discriminant.sqrt() - b)).max(parts + misses)
     }
 
     /// When they stop overlapping, in straight flight, if they overlap now or touch and approach: the later root of
