@@ -122,46 +122,92 @@ impl Exact {
         let Some(cells) = &self.cells else { return };
         let flight = &self.flights[slot];
         let (position, velocity) = self.state::<N>(slot, now);
-        let (mut first, mut partner) = (flight.impact, slot);
         let radius = self.matter::<N>(slot).radius;
-        cells.for_each_near::<N>(slot, flight.place, from, |other| {
-            if other == slot {
-                return;
-            }
+        let pair = |other: usize| {
             let (their_position, their_velocity) = self.state::<N>(other, now);
-            let pair = Pair {
+            Pair {
                 distance: their_position - position,
                 velocity: their_velocity - velocity,
                 reach: radius + self.matter::<N>(other).radius,
                 own: velocity,
+            }
+        };
+        let inside = |other: usize| N::DETECT && self.overlap(slot, other);
+        let mut first = Meeting { time: flight.impact, partner: None };
+        let mut accelerated = Few::default();
+        let meet_accelerated = |other: usize, first: &mut Meeting| {
+            let pull = self.pull::<N>(other) - self.pull::<N>(slot);
+            // A meeting after the next impact of either of them does not count.
+            let limit = first.time.min(self.flights[other].impact);
+            let time = if inside(other) {
+                pair(other).part_accelerated(pull, limit - now)
+            } else {
+                pair(other).meet_accelerated(pull, limit - now)
             };
-            let inside = N::DETECT && self.overlap(slot, other);
-            let time = now
-                + if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
-                    let pull = self.pull::<N>(other) - self.pull::<N>(slot);
-                    let limit = first - now;
-                    if inside {
-                        pair.part_accelerated(pull, limit)
-                    } else {
-                        pair.meet_accelerated(pull, limit)
-                    }
-                } else if inside {
-                    pair.part()
-                } else {
-                    pair.meet()
-                };
-            if time < first && time < self.flights[other].impact {
-                (first, partner) = (time, other);
+            first.or(now + time, other, self.flights[other].impact);
+        };
+        cells.for_each_near::<N>(slot, flight.place, from, |other| {
+            if other == slot {
+            } else if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
+                // These cost most, and least where there is little time left: they come last.
+                if !accelerated.push(other) {
+                    meet_accelerated(other, &mut first);
+                }
+            } else {
+                let time = if inside(other) { pair(other).part() } else { pair(other).meet() };
+                first.or(now + time, other, self.flights[other].impact);
             }
         });
-        if partner != slot {
-            (self.flights[slot].impact, self.flights[slot].against) = (first, Against::ball(partner));
+        for &other in accelerated.all() {
+            meet_accelerated(other, &mut first);
+        }
+        if let Meeting { time, partner: Some(partner) } = first {
+            (self.flights[slot].impact, self.flights[slot].against) = (time, Against::ball(partner));
             let other = &mut self.flights[partner];
-            (other.impact, other.against) = (first, Against::ball(slot));
-            if first < other.event {
-                other.event = first;
-                self.calendar.write(first, partner as u32);
+            (other.impact, other.against) = (time, Against::ball(slot));
+            if time < other.event {
+                other.event = time;
+                self.calendar.write(time, partner as u32);
             }
         }
+    }
+}
+
+/// The earliest meeting found, if it is earlier than what else will happen to a ball.
+struct Meeting {
+    time: f64,
+    partner: Option<usize>,
+}
+
+impl Meeting {
+    /// Takes a meeting instead where it is earlier, and earlier than the partner's next impact.
+    #[inline]
+    fn or(&mut self, time: f64, partner: usize, impact: f64) {
+        if time < self.time && time < impact {
+            (self.time, self.partner) = (time, Some(partner));
+        }
+    }
+}
+
+/// A few slots.
+#[derive(Debug, Default)]
+struct Few {
+    slots: [usize; 16],
+    count: usize,
+}
+
+impl Few {
+    /// Keeps a slot, if there is room.
+    fn push(&mut self, slot: usize) -> bool {
+        let room = self.count < self.slots.len();
+        if room {
+            self.slots[self.count] = slot;
+            self.count += 1;
+        }
+        room
+    }
+
+    fn all(&self) -> &[usize] {
+        &self.slots[..self.count]
     }
 }
