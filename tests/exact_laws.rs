@@ -152,6 +152,93 @@ fn a_dropped_ball_comes_to_rest_when_the_closed_form_says_so_within_the_toleranc
 }
 
 #[test]
+fn the_rest_of_a_dropped_ball_converges_to_the_closed_form_as_the_rest_speed_shrinks() {
+    let (height, gravity, e): (f64, f64, f64) = (400.0, 980.0, 0.8);
+    let world = world(100.0, 500.0).with_walls(e).unwrap().with_gravity(DVec2::new(0.0, gravity)).unwrap();
+    let rest = (2.0 * height / gravity).sqrt() * (1.0 + e) / (1.0 - e);
+    for rest_speed in [10.0, 1.0, 1e-2, 1e-4, 1e-6, 1e-8] {
+        let drop = Simulation::new(world, vec![ball(50.0, 90.0, 10.0, 0.0, 0.0)], Solver::Exact).unwrap();
+        let mut drop = drop.with_rest_speed(rest_speed).unwrap();
+        // The hops left out begin at less than the rest speed: 2u/g (1 + e + e² + …). The last that is not left out
+        // is no longer than 2u/g/e.
+        let (out, last) = (2.0 * rest_speed / gravity / (1.0 - e), 2.0 * rest_speed / gravity / e);
+        // 1e-13 s: the rounding of a hundred hops' times.
+        drop.advance(rest - out - last - 1e-13).unwrap();
+        assert_ne!(
+            drop.balls()[0].velocity().y,
+            0.0,
+            "rest speed {rest_speed}: too early by more than {out:e} s"
+        );
+        drop.advance(out + last + 2e-13).unwrap();
+        assert_eq!(drop.balls()[0].velocity().y, 0.0, "rest speed {rest_speed}");
+        assert!(rest_speed > 1e-8 || out + last < 1e-9);
+    }
+}
+
+#[test]
+fn where_balls_collapse_the_motion_converges_as_the_rest_speed_shrinks() {
+    let at_four_seconds = |rest_speed: f64| {
+        let mut simulation = exact("gravity").with_rest_speed(rest_speed).unwrap();
+        simulation.advance(4.0).unwrap();
+        simulation.balls().to_vec()
+    };
+    let limit = at_four_seconds(1e-7);
+    // Where a ball comes to rest its height changes by up to u²/2g, and chaos multiplies that.
+    for (rest_speed, most) in [(10.0, 1.0), (1.0, 1e-9), (1e-3, 1e-10), (1e-5, 1e-11)] {
+        let balls = at_four_seconds(rest_speed);
+        let distance = |(ball, limit): (&Ball, &Ball)| ball.position().distance(limit.position());
+        let error = balls.iter().zip(&limit).map(distance).fold(0.0, f64::max);
+        assert!(error < most, "rest speed {rest_speed}: {error:e} px");
+    }
+}
+
+#[test]
+fn an_advance_that_is_cut_short_goes_on_to_the_same_bits() {
+    let whole = || gas(500, 400.0, 5);
+    let mut once = whole();
+    once.advance(3.0).unwrap();
+    let mut pieces = whole();
+    let mut looks = 0_u64;
+    let mut cuts = 0;
+    while pieces.time() < 3.0 {
+        let asked = 3.0 - pieces.time();
+        let before = pieces.time();
+        let done = pieces
+            .advance_while(asked, || {
+                looks += 1;
+                looks % 5 != 0
+            })
+            .unwrap();
+        assert!(done <= asked && pieces.time() == before + done);
+        cuts += u32::from(done < asked);
+    }
+    assert!(cuts > 5, "{cuts}");
+    assert_eq!(state(&once), state(&pieces));
+}
+
+#[test]
+fn grains_among_boulders_overlap_nowhere_and_keep_their_energy() {
+    // Radii over two decades: cells in levels.
+    let file = "solver = \"exact\"\nsize = [600, 400]\n[walls]\n[pairs]\n\
+                [[fill]]\ncount = 4\nradius = [40, 60]\nspeed = 100\n\
+                [[fill]]\ncount = 30\nradius = [5, 12]\nspeed = 200\nseed = 2\n\
+                [[fill]]\ncount = 1500\nradius = [0.5, 1.5]\nspeed = [100, 400]\nseed = 3\n";
+    for gravity in [0.0, 200.0] {
+        let mut simulation = Scene::parse("grains", file).unwrap().build().unwrap();
+        simulation.set_gravity(DVec2::new(0.0, gravity)).unwrap();
+        let start = energy(&simulation);
+        let mut grid = Grid::new(simulation.balls(), simulation.world().size());
+        for frame in 0..150 {
+            simulation.advance(1.0 / 50.0).unwrap();
+            let overlap = max_overlap(&mut grid, simulation.balls());
+            assert!(overlap < 1e-9, "frame {frame}, gravity {gravity}: {overlap:e}");
+        }
+        assert!(simulation.tally().impacts > 10_000, "{:?}", simulation.tally());
+        assert!((energy(&simulation) / start - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
 fn newtons_cradle_of_five_hands_the_velocity_on_exactly() {
     let world = world(1000.0, 100.0).with_pairs(Pairs::Impulse);
     let mut balls = vec![ball(100.0, 50.0, 10.0, 300.0, 0.0)];
