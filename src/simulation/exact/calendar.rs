@@ -55,7 +55,7 @@ pub(super) struct Calendar {
 /// The days of a year for so many balls: short ones, with few events to sort, as long as all of them stay in the caches;
 /// fewer and longer ones where the balls are very many.
 fn days(balls: usize) -> usize {
-    (balls / 4).min(2048).max(balls / 64).max(32).next_power_of_two()
+    balls.min(2048).max(balls / 64).max(32).next_power_of_two()
 }
 
 impl Calendar {
