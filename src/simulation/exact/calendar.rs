@@ -46,11 +46,19 @@ pub(super) struct Calendar {
     days: Vec<Vec<Entry>>,
     /// How many days have been opened.
     opened: usize,
+    /// How many events have been written down this year, and how many are too many.
+    written: usize,
+    most: usize,
     /// The events of the open day, latest first.
     today: Vec<Entry>,
     /// Those that were written into it after it was opened.
     late: BinaryHeap<Reverse<Entry>>,
 }
+
+/// Events of a ball to be written down in a year, at most. A year of two impacts a ball has about ten.
+const MOST_WRITTEN: usize = 32;
+/// Moments of a year, of which each may be its end: a power of two.
+pub(super) const MOMENTS: f64 = (1_u64 << 20) as f64;
 
 /// The days of a year for so many balls: short ones, with few events to sort, as long as all of them stay in the caches;
 /// fewer and longer ones where the balls are very many.
@@ -66,6 +74,8 @@ impl Calendar {
             days_per_second: 0.0,
             days: vec![Vec::new(); days(balls)],
             opened: 0,
+            written: 0,
+            most: MOST_WRITTEN * balls.max(64),
             today: Vec::new(),
             late: BinaryHeap::new(),
         }
@@ -77,6 +87,7 @@ impl Calendar {
         self.days_per_second = self.days.len() as f64 / span;
         self.days.iter_mut().for_each(Vec::clear);
         self.opened = 0;
+        self.written = 0;
         self.today.clear();
         self.late.clear();
     }
@@ -88,6 +99,7 @@ impl Calendar {
             // The year and its days are powers of two: the product is exact.
             let day = (time * self.days_per_second) as usize;
             let entry = Entry { time, ball };
+            self.written += 1;
             if day < self.opened { self.late.push(Reverse(entry)) } else { self.days[day].push(entry) }
         }
     }
@@ -120,6 +132,18 @@ impl Calendar {
         self.today.retain(holds);
         self.today.sort_unstable_by(|a, b| b.cmp(a));
         Dawn::Day
+    }
+
+    /// Whether so much has been written that what no longer holds takes too much room: the year should end early.
+    #[inline]
+    pub(super) fn is_crowded(&self) -> bool {
+        self.written > self.most
+    }
+
+    /// The last of the year's moments that is not later than `time`.
+    pub(super) fn moment_before(&self, time: f64) -> f64 {
+        // All are powers of two, but for the whole number of moments.
+        (time / self.span * MOMENTS).floor() / MOMENTS * self.span
     }
 
     /// When the open day ends and the next begins, s since the year began.

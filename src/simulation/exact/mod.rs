@@ -65,12 +65,10 @@ pub(super) struct Exact {
 
 /// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
 const HITS_PER_YEAR: f64 = 2.0;
-/// A year is given up early where it has more impacts of a ball than this.
-const MOST_HITS: usize = 4;
 /// A year is made for this many balls at least.
 const FEWEST: usize = 64;
 /// The shortest and the longest year, s.
-const SPANS: (f64, f64) = (1.0 / (1_u64 << 50) as f64, 1024.0);
+const SPANS: (f64, f64) = (1.0 / (1_u64 << 58) as f64, 1024.0);
 /// Events between two looks at the caller's watch.
 const EVENTS_PER_LOOK: u32 = 256;
 
@@ -223,18 +221,16 @@ impl Exact {
                     return Some(Pause::Stopped(entry.time));
                 }
                 self.take::<N>(tally, entry);
+                if self.calendar.is_crowded() {
+                    return Some(Pause::NewYear(self.calendar.moment_before(entry.time)));
+                }
             }
             let day = self.calendar.day_ends();
             if day > until {
                 return None;
             }
-            let crowded = self.hits > MOST_HITS * self.flights.len().max(FEWEST);
             let Self { flights, calendar, .. } = self;
-            let dawn = if crowded {
-                Dawn::YearOver
-            } else {
-                calendar.open(|entry| flights[entry.ball as usize].event == entry.time)
-            };
+            let dawn = calendar.open(|entry| flights[entry.ball as usize].event == entry.time);
             if dawn == Dawn::YearOver {
                 return Some(Pause::NewYear(day));
             }
@@ -275,13 +271,15 @@ impl Exact {
         }
     }
 
-    /// Moves the origin of time on by `time`, at which a day of the calendar ends, and begins a year there, as long as
-    /// the last one's impacts suggest.
+    /// Moves the origin of time on by `time`, to a moment of the calendar, and begins a year there, as long as the last
+    /// one's impacts suggest.
     fn begin_year(&mut self, time: f64) {
         self.origin = self.origin.after(time);
         let balls = self.flights.len().max(FEWEST) as f64;
         let suggested = HITS_PER_YEAR * balls * time / self.hits.max(1) as f64;
-        while self.span > 1.5 * suggested && self.span > SPANS.0 {
+        // Where not even a moment has passed, that says no more than that the year was far too long.
+        let shortest = SPANS.0.max(self.span / calendar::MOMENTS);
+        while self.span > 1.5 * suggested && self.span > shortest {
             self.span /= 2.0;
         }
         // Only once: a year without impacts says little of the next.
