@@ -48,6 +48,7 @@ impl Canvas {
 }
 
 impl Advance for Canvas {
+    /// Always finishes: a frame costs about the same whatever happens in it, and half a demo's frame is none of its.
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, _: &mut dyn FnMut() -> bool) -> f64 {
         match (frame.world.gravity.is_some(), frame.world.walls.is_some()) {
             (false, false) => move_balls::<false, false>(frame, seconds),

@@ -113,8 +113,9 @@ pub enum BuildError {
 /// A solver is made for one world and one set of balls, and decides then which of its parts run; whoever changes
 /// either makes it anew. It keeps what it needs between frames, and leaves in `frame` what is to be shown.
 trait Advance: fmt::Debug + Send {
-    /// Moves on by `seconds`, which is finite and not negative. Where the work may be long it asks `go_on` now and
-    /// then, and stops where that says no. Returns the seconds that it has moved on.
+    /// Moves on by up to `seconds`, which is finite and not negative, and returns the seconds that it has moved on: less
+    /// than asked for only where `go_on` said no. `go_on` is asked now and then where the work may be long, and not
+    /// before some of it is done, so that every call gets on. `frame` then holds the state at the time returned.
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64;
     /// The parts that run.
     fn parts(&self, world: &World) -> Vec<Part>;
@@ -184,12 +185,15 @@ impl Simulation {
         self.advance_while(seconds, || true).map(drop)
     }
 
-    /// Moves on by up to `seconds`, and returns by how much: less only where `go_on` said no. A solver whose work may
-    /// be long asks it now and then, so that whoever shows the simulation can go on in time; the state is that of the
-    /// time reached, and what follows is the same as if there had been no stop.
+    /// Moves on by up to `seconds`, as [`advance`](Self::advance) does, for as long as `go_on` says so, and returns the
+    /// seconds that it has moved on. What is left out is time that was not simulated, not physics that was skipped: the
+    /// state is the one at the time returned, and the next call goes on from there.
+    ///
+    /// A solver whose work grows with what happens (`exact`) asks `go_on` now and then; one whose frame always costs
+    /// about the same (`canvas`) never asks, and finishes.
     ///
     /// # Errors
-    /// [`OutOfRange`] as for [`advance`](Self::advance).
+    /// [`OutOfRange`] as for [`advance`](Self::advance); nothing has moved then.
     pub fn advance_while(
         &mut self,
         seconds: f64,
@@ -197,7 +201,9 @@ impl Simulation {
     ) -> Result<f64, OutOfRange> {
         DELTA.check(seconds)?;
         let Self { world, balls, touching, tally, .. } = self;
-        let done = self.engine.advance(&mut Frame { world, balls, touching, tally }, seconds, &mut go_on);
+        let mut frame = Frame { world, balls, touching, tally };
+        let done = self.engine.advance(&mut frame, seconds, &mut go_on);
+        debug_assert!((0.0..=seconds).contains(&done), "a solver moved on by {done} s of {seconds}");
         self.time += done;
         Ok(done)
     }
@@ -226,7 +232,7 @@ impl Simulation {
         self.solver
     }
 
-    /// The sum of all deltas so far, s.
+    /// The time simulated so far, s: the sum of all deltas, less what was left out of them.
     #[must_use]
     pub fn time(&self) -> f64 {
         self.time
@@ -472,6 +478,33 @@ mod tests {
         simulation.remove_last();
         simulation.advance(0.0).unwrap();
         assert_eq!(simulation.touching(), [false]);
+    }
+
+    /// Moves on by half of what it is asked for where it may not go on.
+    #[derive(Debug)]
+    struct Halting;
+
+    impl Advance for Halting {
+        fn advance(&mut self, _: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
+            if go_on() { seconds } else { seconds / 2.0 }
+        }
+
+        fn parts(&self, _: &World) -> Vec<Part> {
+            Vec::new()
+        }
+    }
+
+    #[test]
+    fn time_grows_by_what_was_simulated_and_canvas_finishes_whatever_it_is_told() {
+        let mut simulation = boxed(100.0, 50.0, 5.0).unwrap();
+        assert_eq!(simulation.advance_while(0.5, || false), Ok(0.5));
+        assert_eq!(simulation.time(), 0.5);
+        assert!(simulation.advance_while(-0.5, || true).is_err());
+        simulation.engine = Box::new(Halting);
+        assert_eq!(simulation.advance_while(0.5, || false), Ok(0.25));
+        assert_eq!(simulation.time(), 0.75);
+        simulation.advance(0.5).unwrap();
+        assert_eq!(simulation.time(), 1.25);
     }
 
     #[test]
