@@ -3,6 +3,8 @@
 //! Keys, mouse, and whatever else acts on a simulation says it as a [`Command`], so that all share one path. A session
 //! knows nothing of windows; it stands between the scenes and those who show them.
 
+use std::collections::VecDeque;
+
 use glam::DVec2;
 use thiserror::Error;
 
@@ -17,6 +19,9 @@ pub const TIME_SCALES: (f64, f64) = (1.0 / 64.0, 16.0);
 pub const LONGEST_FRAME: f64 = 0.1;
 /// The delta of a single step while paused, s.
 pub const STEP: f64 = 1.0 / 60.0;
+/// How many measured seconds of frames must go through whole before a session that fell behind has caught up, s. Were
+/// it less, what is said of falling behind would flicker.
+const CAUGHT_UP: f64 = 1.0;
 /// The radius of a ball that a click adds where there is room, px.
 const CLICK_RADIUS: f64 = 20.0;
 /// The smallest radius that a click makes do with, px.
@@ -29,7 +34,7 @@ const EARTH: DVec2 = DVec2::new(0.0, 980.0);
 pub enum Command {
     /// Stop time, or let it go on.
     TogglePause,
-    /// While paused: advance by [`STEP`].
+    /// While paused: advance by [`STEP`], in the frames that follow.
     Step,
     /// Begin the scene again.
     Reset,
@@ -95,7 +100,10 @@ pub struct Session {
     /// The size that the world was last asked to have, px; wide balls may have made it larger.
     size: DVec2,
     paused: bool,
+    /// What is left of each single step that was asked for while paused, s.
+    steps: VecDeque<f64>,
     time_scale: f64,
+    pace: Pace,
     /// Frame 1 has a delta of 0, whatever the clock says; this is true until it has been.
     fresh: bool,
     seed: u64,
@@ -119,7 +127,9 @@ impl Session {
             gravity: simulation.world().gravity().unwrap_or(EARTH),
             simulation,
             paused: false,
+            steps: VecDeque::new(),
             time_scale: 1.0,
+            pace: Pace::default(),
             fresh: true,
             seed,
             additions: 0,
@@ -144,7 +154,20 @@ impl Session {
         self.paused
     }
 
-    /// Simulated seconds per measured second.
+    /// Whether a frame now would move anything: time runs, or single steps are still to be taken.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        !self.paused || !self.steps.is_empty()
+    }
+
+    /// Whether frames were cut short, so that time runs slower than it should. Stays so until a second of frames has
+    /// gone through whole, or until something else is played: another scene, another solver, the scene from its start.
+    #[must_use]
+    pub fn is_behind(&self) -> bool {
+        self.pace.behind
+    }
+
+    /// Simulated seconds per measured second, where the session is not behind.
     #[must_use]
     pub fn time_scale(&self) -> f64 {
         self.time_scale
@@ -156,18 +179,37 @@ impl Session {
     }
 
     /// A frame after `measured` seconds, scaled by the time scale; at most [`LONGEST_FRAME`] of them count. Nothing
-    /// moves while paused, but a scene's first frame, which has a delta of 0, always takes place.
+    /// moves while paused but single steps, and a scene's first frame, which has a delta of 0, always takes place.
     ///
     /// # Errors
     /// [`OutOfRange`](crate::OutOfRange) where `measured` is negative or not a number.
     pub fn advance(&mut self, measured: f64) -> Result<(), crate::OutOfRange> {
+        self.advance_while(measured, || true)
+    }
+
+    /// A frame as [`advance`](Self::advance) takes it, which is cut short where `go_on` says no: then the time that is
+    /// left is not simulated, the session [is behind](Self::is_behind), and the next frame goes on from there. What is
+    /// left of a single step is left for the next frame.
+    ///
+    /// # Errors
+    /// [`OutOfRange`](crate::OutOfRange) where `measured` is negative or not a number.
+    pub fn advance_while(
+        &mut self,
+        measured: f64,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Result<(), crate::OutOfRange> {
         if self.fresh {
             self.fresh = false;
-            self.simulation.advance(0.0)
+            self.simulation.advance_while(0.0, go_on).map(drop)
         } else if self.paused {
-            Ok(())
+            let simulation = &mut self.simulation;
+            take(&mut self.steps, |seconds| simulation.advance_while(seconds, &mut go_on))
         } else {
-            self.simulation.advance(measured.min(LONGEST_FRAME) * self.time_scale)
+            let measured = measured.min(LONGEST_FRAME);
+            let asked = measured * self.time_scale;
+            let done = self.simulation.advance_while(asked, go_on)?;
+            self.pace.note(measured, asked, done);
+            Ok(())
         }
     }
 
@@ -204,10 +246,13 @@ impl Session {
     /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
     pub fn apply(&mut self, command: Command) -> Result<(), CommandError> {
         match command {
-            Command::TogglePause => self.paused = !self.paused,
+            Command::TogglePause => {
+                self.paused = !self.paused;
+                self.steps.clear();
+            }
             Command::Step => {
                 if self.paused {
-                    self.simulation.advance(STEP)?;
+                    self.steps.push_back(STEP);
                 }
             }
             Command::Reset => self.reset()?,
@@ -217,7 +262,10 @@ impl Session {
             Command::Scene(number) => self.go_to(number)?,
             Command::NextScene => self.go_by(1)?,
             Command::PreviousScene => self.go_by(-1)?,
-            Command::NextSolver => self.simulation.set_solver(next_solver(self.simulation.solver())),
+            Command::NextSolver => {
+                self.simulation.set_solver(next_solver(self.simulation.solver()));
+                self.pace = Pace::default();
+            }
             Command::ToggleGravity => self.toggle_gravity()?,
             Command::Slower => self.set_time_scale(self.time_scale / 2.0),
             Command::Faster => self.set_time_scale(self.time_scale * 2.0),
@@ -229,6 +277,8 @@ impl Session {
         let (world, balls) = self.start.clone();
         self.simulation = Simulation::new(world, balls, self.simulation.solver())?;
         self.simulation.resize(self.size)?;
+        self.steps.clear();
+        self.pace = Pace::default();
         self.fresh = true;
         Ok(())
     }
@@ -290,6 +340,43 @@ impl Session {
     }
 }
 
+/// Whether the simulation keeps up with the time that is measured.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Pace {
+    behind: bool,
+    /// Measured seconds since the last frame that was cut short, s; counted only while behind.
+    whole: f64,
+}
+
+impl Pace {
+    /// Notes a frame of `measured` seconds that was `asked` to simulate so many seconds and has `done` so many.
+    fn note(&mut self, measured: f64, asked: f64, done: f64) {
+        if done < asked {
+            *self = Self { behind: true, whole: 0.0 };
+        } else if self.behind {
+            self.whole += measured;
+            self.behind = self.whole < CAUGHT_UP;
+        }
+    }
+}
+
+/// Takes single steps, of which so many seconds are left, with `advance`, which returns the seconds that it got on by;
+/// ends with the first that is cut short. Each is an advance of its own: `canvas` would not move the same by their sum.
+fn take(
+    steps: &mut VecDeque<f64>,
+    mut advance: impl FnMut(f64) -> Result<f64, crate::OutOfRange>,
+) -> Result<(), crate::OutOfRange> {
+    while let Some(left) = steps.front_mut() {
+        let done = advance(*left)?;
+        if done < *left {
+            *left -= done;
+            break;
+        }
+        steps.pop_front();
+    }
+    Ok(())
+}
+
 fn next_solver(solver: Solver) -> Solver {
     let here = Solver::ALL.iter().position(|&other| other == solver).unwrap_or(0);
     Solver::ALL[(here + 1) % Solver::ALL.len()]
@@ -331,13 +418,82 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_taken_only_while_paused() {
+    fn steps_are_taken_only_while_paused_each_as_a_frame_of_its_own() {
         let mut session = session("gravity");
         session.apply(Command::Step).unwrap();
-        assert_eq!(session.simulation.time(), 0.0);
+        assert!(session.steps.is_empty() && session.simulation.time() == 0.0);
+        let mut stepped = Scene::load("gravity").unwrap().build().unwrap();
+        for seconds in [0.0, STEP, STEP] {
+            stepped.advance(seconds).unwrap();
+        }
         session.apply(Command::TogglePause).unwrap();
+        assert!(!session.is_moving());
+        for _ in 0..2 {
+            session.apply(Command::Step).unwrap();
+        }
+        assert!(session.is_moving());
+        session.advance(0.5).unwrap();
+        assert!(!session.is_moving());
+        assert_eq!(session.simulation.time(), 2.0 * STEP);
+        assert_eq!(session.simulation.balls(), stepped.balls());
         session.apply(Command::Step).unwrap();
-        assert_eq!(session.simulation.time(), STEP);
+        for _ in 0..2 {
+            session.apply(Command::TogglePause).unwrap();
+        }
+        assert!(!session.is_moving(), "to let time run and stop it again forgets steps");
+    }
+
+    #[test]
+    fn a_step_that_is_cut_short_is_finished_by_the_next_frames() {
+        let mut steps = VecDeque::from([0.5, 0.5]);
+        take(&mut steps, |_| Ok(0.125)).unwrap();
+        assert_eq!(steps, [0.375, 0.5]);
+        take(&mut steps, |_| Ok(0.0)).unwrap();
+        assert_eq!(steps, [0.375, 0.5]);
+        take(&mut steps, Ok).unwrap();
+        assert!(steps.is_empty());
+    }
+
+    #[test]
+    fn a_pace_is_behind_from_a_frame_cut_short_until_a_second_has_gone_through_whole() {
+        let mut pace = Pace::default();
+        pace.note(0.25, 0.25, 0.25);
+        assert!(!pace.behind);
+        // At four times the speed; however much was done, some was not.
+        pace.note(0.25, 1.0, 0.75);
+        assert!(pace.behind);
+        for _ in 0..3 {
+            pace.note(0.25, 1.0, 1.0);
+            assert!(pace.behind);
+        }
+        pace.note(0.25, 1.0, 0.0);
+        for _ in 0..3 {
+            pace.note(0.25, 1.0, 1.0);
+            assert!(pace.behind, "the second begins anew with each frame cut short");
+        }
+        pace.note(0.25, 1.0, 1.0);
+        assert!(!pace.behind);
+        pace.note(0.0, 0.0, 0.0);
+        assert!(!pace.behind, "a frame of no time leaves nothing out");
+    }
+
+    #[test]
+    fn what_was_behind_is_not_when_something_else_is_played() {
+        for command in [Command::Reset, Command::NextSolver, Command::NextScene, Command::Scene(3)] {
+            let mut session = session("gravity");
+            session.pace.note(0.1, 0.1, 0.05);
+            assert!(session.is_behind());
+            session.apply(command).unwrap();
+            assert!(!session.is_behind(), "{command:?}");
+        }
+    }
+
+    #[test]
+    fn a_session_that_is_not_cut_short_is_not_behind() {
+        let mut session = session("gravity");
+        session.advance_while(0.1, || false).unwrap();
+        assert!(!session.is_behind(), "canvas always finishes");
+        assert_eq!(session.simulation.time(), 0.1);
     }
 
     #[test]

@@ -61,6 +61,9 @@ const CLICK: f64 = 4.0;
 const WIDEST: f64 = 32_767.0;
 /// How long to wait before looking whether a window that could not be seen can.
 const LOOK_AGAIN: Duration = Duration::from_millis(250);
+/// The longest that a frame simulates, in time of the wall's clock: with the time that painting takes, thirty frames a
+/// second or so remain. Where more happens than can be computed in it, time runs slower and the window still answers.
+const ADVANCE_MOST: Duration = Duration::from_millis(25);
 /// How long a notice stands in the title bar.
 const NOTICE: Duration = Duration::from_secs(3);
 
@@ -277,10 +280,12 @@ impl App {
     }
 
     fn apply(&mut self, command: Command) {
+        let was_paused = self.session.is_paused();
         if let Err(error) = self.session.apply(command) {
             self.say(error.to_string());
         }
-        if self.session.is_paused() {
+        // A frame that was painted while paused has started the clock again.
+        if was_paused || self.session.is_paused() {
             self.stop_clock();
         }
         self.set_title();
@@ -344,7 +349,8 @@ impl App {
         }
         self.session.resize(world_size(size, scale))?;
         let start = Instant::now();
-        self.session.advance(self.clock.tick(start))?;
+        let measured = self.clock.tick(start);
+        self.session.advance_while(measured, || start.elapsed() < ADVANCE_MOST)?;
         let advanced = Instant::now();
         if let Some(mut pixmap) = screen.pixmap() {
             paint::paint(self.session.simulation(), scale, &mut pixmap);
@@ -355,6 +361,8 @@ impl App {
             }
             if self.help {
                 overlay::help(&mut pixmap, scale);
+            } else if self.session.is_behind() && !self.session.is_paused() {
+                overlay::behind(&mut pixmap, self.session.simulation().solver(), scale);
             }
         }
         let painted = Instant::now();
@@ -367,7 +375,7 @@ impl App {
         if let Some(timings) = &mut self.timings {
             timings.add([advanced - start, painted - advanced, presented.upload, presented.present]);
         }
-        if !self.session.is_paused() {
+        if self.session.is_moving() {
             window.request_redraw();
         }
         if let Some(rate) = self.rate.count(Instant::now()) {
