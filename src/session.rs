@@ -9,6 +9,7 @@ use glam::DVec2;
 use thiserror::Error;
 
 use crate::scene::{self, Scene, SceneError};
+use crate::simulation::limits::GRAVITY;
 use crate::simulation::{Ball, BuildError, Simulation, Solver, World};
 
 /// The slowest and the fastest time scale.
@@ -28,6 +29,9 @@ const CLICK_RADIUS: f64 = 20.0;
 const CLICK_RADIUS_LEAST: f64 = 2.0;
 /// What G switches on where the scene has no gravity of its own, px/s².
 const EARTH: DVec2 = DVec2::new(0.0, 980.0);
+
+/// Gravity that was tilted is a multiple of one part in so many of 1 px/s².
+const GRAVITY_DIGITS: f64 = 1e9;
 
 /// Something to do to the simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +63,8 @@ pub enum Command {
     NextSolver,
     /// Take gravity away, or bring it back.
     ToggleGravity,
+    /// Add this to gravity, px/s², or to none where it is off; kept within the range of gravity.
+    TiltGravity(DVec2),
     /// Halve the time scale.
     Slower,
     /// Double the time scale.
@@ -267,6 +273,7 @@ impl Session {
                 self.pace = Pace::default();
             }
             Command::ToggleGravity => self.toggle_gravity()?,
+            Command::TiltGravity(by) => self.tilt_gravity(by)?,
             Command::Slower => self.set_time_scale(self.time_scale / 2.0),
             Command::Faster => self.set_time_scale(self.time_scale * 2.0),
         }
@@ -308,6 +315,16 @@ impl Session {
             }
             None => self.simulation.set_gravity(self.gravity)?,
         }
+        Ok(())
+    }
+
+    fn tilt_gravity(&mut self, by: DVec2) -> Result<(), CommandError> {
+        let by = GRAVITY.check_vector(by)?;
+        let gravity = self.simulation.world().gravity().unwrap_or_default() + by;
+        // Rounded, so that there and back is where it was: 0.1 + 98 - 98 is not 0.1.
+        let gravity = (gravity * GRAVITY_DIGITS).round() / GRAVITY_DIGITS;
+        let gravity = gravity.clamp(DVec2::splat(GRAVITY.low), DVec2::splat(GRAVITY.high));
+        self.simulation.set_gravity(gravity)?;
         Ok(())
     }
 
@@ -567,5 +584,47 @@ mod tests {
         assert_eq!(session.simulation.world().gravity(), None);
         session.apply(Command::ToggleGravity).unwrap();
         assert_eq!(session.simulation.world().gravity(), Some(EARTH));
+    }
+
+    #[test]
+    fn gravity_is_tilted_in_clean_steps_from_none_and_back_to_none() {
+        let mut session = session("gravity");
+        let right = Command::TiltGravity(DVec2::new(98.0, 0.0));
+        let up = Command::TiltGravity(DVec2::new(0.0, -98.0));
+        session.apply(right).unwrap();
+        assert_eq!(session.simulation.world().gravity(), Some(DVec2::new(98.0, 980.0)));
+        // G brings back what was tilted, and a tilt while it is off begins from none.
+        session.apply(Command::ToggleGravity).unwrap();
+        session.apply(Command::ToggleGravity).unwrap();
+        assert_eq!(session.simulation.world().gravity(), Some(DVec2::new(98.0, 980.0)));
+        session.apply(Command::ToggleGravity).unwrap();
+        session.apply(right).unwrap();
+        assert_eq!(session.simulation.world().gravity(), Some(DVec2::new(98.0, 0.0)));
+
+        session.apply(Command::Reset).unwrap();
+        for _ in 0..10 {
+            session.apply(up).unwrap();
+        }
+        assert_eq!(session.simulation.world().gravity(), None);
+        session.apply(up).unwrap();
+        assert_eq!(session.simulation.world().gravity(), Some(DVec2::new(0.0, -98.0)));
+
+        session.simulation.set_gravity(DVec2::new(0.1, 9.81)).unwrap();
+        let (there, back) = (DVec2::new(98.0, -98.0), DVec2::new(-98.0, 98.0));
+        for by in [[there; 100], [back; 100]].concat() {
+            session.apply(Command::TiltGravity(by)).unwrap();
+        }
+        assert_eq!(session.simulation.world().gravity(), Some(DVec2::new(0.1, 9.81)));
+    }
+
+    #[test]
+    fn gravity_is_tilted_no_further_than_its_range() {
+        let mut session = session("gravity");
+        for _ in 0..3 {
+            session.apply(Command::TiltGravity(DVec2::new(GRAVITY.low, GRAVITY.high))).unwrap();
+        }
+        assert_eq!(session.simulation.world().gravity(), Some(DVec2::new(GRAVITY.low, GRAVITY.high)));
+        assert!(session.apply(Command::TiltGravity(DVec2::new(f64::NAN, 0.0))).is_err());
+        assert_eq!(session.simulation.world().gravity(), Some(DVec2::new(GRAVITY.low, GRAVITY.high)));
     }
 }

@@ -360,6 +360,36 @@ fn a_click_adds_a_ball_and_a_drag_throws_one() {
 
 #[test]
 #[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn arrows_with_control_tilt_gravity_and_a_ball_at_rest_falls_that_way() {
+    let display = Display::start();
+    let mut window = display.open(&["draw", "--paused"]);
+    for (key, notice) in [
+        ("ctrl+Right", "gravity (98, 0) px/s²"),
+        ("ctrl+Up", "gravity (98, -98) px/s²"),
+        ("ctrl+Down", "gravity (98, 0) px/s²"),
+        ("g", "gravity off"),
+        ("g", "gravity (98, 0) px/s²"),
+    ] {
+        window.key(key);
+        window.wait_title(notice);
+    }
+    let start = picture(&["draw"]);
+    assert_eq!(window.screenshot().difference(&start), None, "an arrow with control is no step");
+    // The title is its own again when the notice has stood long enough.
+    window.wait_title("draw");
+    let centre = |window: &Window<'_>| {
+        let shown = window.screenshot();
+        let ball = |&x: &usize| (0..SCREEN.1).any(|y| shown.at(x, y) == BALL);
+        let (left, right) = ((0..SCREEN.0).find(ball), (0..SCREEN.0).rfind(ball));
+        left.zip(right).map(|(left, right)| (left + right) / 2)
+    };
+    let before = centre(&window).unwrap();
+    window.key("space");
+    window.wait("the ball further right", |window| centre(window).is_some_and(|x| x > before + 20));
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
 fn help_covers_the_balls_and_goes_away() {
     let display = Display::start();
     let mut window = display.open(&["gravity", "--paused"]);

@@ -1,5 +1,6 @@
 //! The keys: what each does, for the window to do and for the help sheet to list.
 
+use glam::DVec2;
 use winit::keyboard::{Key, ModifiersState, NamedKey};
 
 use crate::scene::STAGES;
@@ -17,14 +18,17 @@ pub(super) enum Action {
     Quit,
 }
 
+/// What an arrow key with control adds to gravity, px/s²: a tenth of the Earth's, at 100 px a metre.
+const TILT: f64 = 98.0;
+
 /// The action of a key, if it has one. `repeat` is true while a key is held: only what can sensibly be done many times
 /// over is.
 pub(super) fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Option<Action> {
-    if modifiers.control_key() || modifiers.alt_key() || modifiers.super_key() {
-        return None;
-    }
     let shift = modifiers.shift_key();
     let action = match key {
+        // The arrows are the only keys that are ours with control, and with it alone.
+        Key::Named(named) if modifiers == ModifiersState::CONTROL => tilt(*named)?,
+        _ if modifiers.control_key() || modifiers.alt_key() || modifiers.super_key() => return None,
         Key::Named(named) => named_key(*named, shift)?,
         Key::Character(text) => character(text, shift)?,
         _ => return None,
@@ -32,10 +36,26 @@ pub(super) fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Opti
     let repeats = matches!(
         action,
         Action::Do(
-            Command::Step | Command::AddRandom(1) | Command::RemoveLast | Command::Slower | Command::Faster
+            Command::Step
+                | Command::AddRandom(1)
+                | Command::RemoveLast
+                | Command::TiltGravity(_)
+                | Command::Slower
+                | Command::Faster
         )
     );
     (repeats || !repeat).then_some(action)
+}
+
+fn tilt(key: NamedKey) -> Option<Action> {
+    let direction = match key {
+        NamedKey::ArrowLeft => DVec2::NEG_X,
+        NamedKey::ArrowRight => DVec2::X,
+        NamedKey::ArrowUp => DVec2::NEG_Y,
+        NamedKey::ArrowDown => DVec2::Y,
+        _ => return None,
+    };
+    Some(Action::Do(Command::TiltGravity(TILT * direction)))
 }
 
 fn named_key(key: NamedKey, shift: bool) -> Option<Action> {
@@ -86,6 +106,7 @@ pub(super) fn help() -> Vec<(&'static str, &'static str)> {
         ("Tab", "next scene"),
         ("Shift+Tab", "previous scene"),
         ("G", "gravity on, off"),
+        ("Ctrl+arrow", "tilt gravity"),
         ("[ ]", "slower, faster"),
         ("H or F1", "this help"),
         ("F11", "full screen"),
@@ -124,7 +145,26 @@ mod tests {
     }
 
     #[test]
-    fn keys_with_control_belong_to_others() {
+    fn arrows_with_control_tilt_gravity_their_way_and_repeat() {
+        for (key, x, y) in [
+            (NamedKey::ArrowLeft, -98.0, 0.0),
+            (NamedKey::ArrowRight, 98.0, 0.0),
+            (NamedKey::ArrowUp, 0.0, -98.0),
+            (NamedKey::ArrowDown, 0.0, 98.0),
+        ] {
+            let tilt = Some(Action::Do(Command::TiltGravity(DVec2::new(x, y))));
+            assert_eq!(action(&Key::Named(key), ModifiersState::CONTROL, true), tilt);
+            assert_eq!(pressed(&Key::Named(key), ModifiersState::CONTROL), tilt);
+        }
+    }
+
+    #[test]
+    fn other_keys_with_control_belong_to_others() {
         assert_eq!(pressed(&Key::Character("r".into()), ModifiersState::CONTROL), None);
+        assert_eq!(pressed(&Key::Named(NamedKey::Space), ModifiersState::CONTROL), None);
+        for others in [ModifiersState::SHIFT, ModifiersState::ALT, ModifiersState::SUPER] {
+            assert_eq!(pressed(&Key::Named(NamedKey::ArrowUp), ModifiersState::CONTROL | others), None);
+        }
+        assert_eq!(pressed(&Key::Named(NamedKey::ArrowRight), ModifiersState::ALT), None);
     }
 }

@@ -281,8 +281,12 @@ impl App {
 
     fn apply(&mut self, command: Command) {
         let was_paused = self.session.is_paused();
-        if let Err(error) = self.session.apply(command) {
-            self.say(error.to_string());
+        match self.session.apply(command) {
+            Err(error) => self.say(error.to_string()),
+            Ok(()) if matches!(command, Command::ToggleGravity | Command::TiltGravity(_)) => {
+                self.notify(gravity_notice(self.session.simulation().world().gravity()));
+            }
+            Ok(()) => {}
         }
         // A frame that was painted while paused has started the clock again.
         if was_paused || self.session.is_paused() {
@@ -389,6 +393,11 @@ impl App {
     fn say(&mut self, text: String) {
         // A window outlives the terminal that it was started from.
         let _ = writeln!(io::stderr(), "carom: {text}");
+        self.notify(text);
+    }
+
+    /// Says something in the title bar.
+    fn notify(&mut self, text: String) {
         self.notice = Some((text, Instant::now()));
         self.set_title();
     }
@@ -424,6 +433,14 @@ fn title(session: &Session, frames_per_second: Option<f64>) -> String {
     title
 }
 
+/// Gravity as it is now, in whole px/s².
+fn gravity_notice(gravity: Option<DVec2>) -> String {
+    let Some(gravity) = gravity else { return "gravity off".to_owned() };
+    // Adding 0 makes a 0 of -0.
+    let DVec2 { x, y } = gravity.round() + DVec2::ZERO;
+    format!("gravity ({x}, {y}) px/s²")
+}
+
 fn world_size(size: PhysicalSize<u32>, scale_factor: f64) -> DVec2 {
     let size = size.to_logical(scale_factor);
     DVec2::new(size.width, size.height)
@@ -438,4 +455,16 @@ fn icon() -> Option<Icon> {
     let straight = pixmap.pixels().iter().map(PremultipliedColorU8::demultiply);
     let rgba = straight.flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()]);
     Icon::from_rgba(rgba.collect(), SIDE, SIDE).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_notice_gives_gravity_in_whole_numbers_without_a_minus_before_0() {
+        assert_eq!(gravity_notice(None), "gravity off");
+        assert_eq!(gravity_notice(Some(DVec2::new(98.0, 980.0))), "gravity (98, 980) px/s²");
+        assert_eq!(gravity_notice(Some(DVec2::new(-0.3, -97.6))), "gravity (0, -98) px/s²");
+    }
 }
