@@ -9,7 +9,7 @@
 use std::time::Duration;
 
 use carom::simulation::grid::Grid;
-use carom::{Scene, Simulation, scene};
+use carom::{Scene, Simulation, Solver, scene};
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 const FRAME: f64 = 1.0 / 60.0;
@@ -26,7 +26,7 @@ fn gas(count: u32) -> Simulation {
     let area = f64::from(count) * 9.0 * std::f64::consts::PI / 0.2;
     let (width, height) = ((area * 16.0 / 9.0).sqrt().ceil(), (area * 9.0 / 16.0).sqrt().ceil());
     let file = format!(
-        "size = [{width}, {height}]\n[walls]\n[pairs]\n[[fill]]\ncount = {count}\nradius = 3\nspeed = [0, 200]\n"
+        "solver = \"canvas\"\nsize = [{width}, {height}]\n[walls]\n[pairs]\n[[fill]]\ncount = {count}\nradius = 3\nspeed = [0, 200]\n"
     );
     let mut simulation =
         Scene::parse("gas", &file).and_then(|scene| scene.build()).expect("a fifth of the area fits");
@@ -37,7 +37,7 @@ fn gas(count: u32) -> Simulation {
 fn stages(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("stages");
     for name in &scene::names()[..scene::STAGES] {
-        let scene = Scene::load(name).expect("a built-in scene is right");
+        let scene = Scene::load(name).expect("a built-in scene is right").with_solver(Solver::Canvas);
         let build = || scene.build().expect("a built-in scene fits");
         group.throughput(Throughput::Elements(u64::from(STAGE_FRAMES) * build().balls().len() as u64));
         group.bench_function(*name, |bencher| {

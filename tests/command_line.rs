@@ -55,7 +55,9 @@ fn data(name: &str) -> String {
 fn a_trace_of_the_demo_is_the_golden_trace() {
     let here = folder();
     let deltas = data("deltas-irregular.txt");
-    succeed(&here, &["run", "gravity", "--deltas", &deltas, "--trace", "t.csv", "--every", "10"]);
+    let run =
+        ["run", "gravity", "--solver", "canvas", "--deltas", &deltas, "--trace", "t.csv", "--every", "10"];
+    succeed(&here, &run);
     let trace = fs::read_to_string(here.path().join("t.csv")).unwrap();
     let golden = fs::read_to_string(data("canvas-gravity-1280x720-irregular.csv")).unwrap();
     assert_eq!(trace.lines().count(), golden.lines().count());
@@ -97,7 +99,7 @@ fn a_summary_has_every_figure_that_scripts_rely_on() {
     for (key, expected) in [("balls", 15), ("frames", 121), ("non_finite", 0)] {
         assert_eq!(summary[key], expected, "{key}");
     }
-    assert_eq!((&summary["scene"], &summary["solver"]), (&"elastic".into(), &"canvas".into()));
+    assert_eq!((&summary["scene"], &summary["solver"]), (&"elastic".into(), &"exact".into()));
     assert!((summary["seconds"].as_f64().unwrap() - 2.0).abs() < 1e-12);
     let (kinetic, start) =
         (summary["kinetic_energy"].as_f64().unwrap(), summary["energy_start"].as_f64().unwrap());
@@ -116,7 +118,7 @@ fn a_summary_has_every_figure_that_scripts_rely_on() {
 fn zero_seconds_are_one_frame_and_the_summary_is_readable() {
     let here = folder();
     let text = succeed(&here, &["run", "gravity", "--seconds", "0"]);
-    assert!(text.contains("gravity with 15 balls, solver canvas"), "{text}");
+    assert!(text.contains("gravity with 15 balls, solver exact"), "{text}");
     assert!(text.contains("0.000000 s in 1 frames"), "{text}");
 }
 
@@ -334,7 +336,10 @@ fn scenes_lists_what_each_shows_uses_and_leaves_out() {
         );
     }
     assert_eq!(list[0]["leaves_out"], serde_json::json!(["gravity", "walls", "pairs", "impulse"]));
-    assert_eq!(list[7]["uses"], serde_json::json!(["motion", "gravity", "walls", "all pairs", "impulse"]));
+    assert_eq!(
+        list[7]["uses"],
+        serde_json::json!(["motion", "gravity", "walls", "all pairs", "events", "impulse"])
+    );
     assert_eq!(list[7]["leaves_out"], serde_json::json!([]));
 }
 

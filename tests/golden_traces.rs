@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 
-use carom::{DVec2, Scene, Simulation};
+use carom::{DVec2, Scene, Simulation, Solver};
 
 fn data(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name);
@@ -38,7 +38,8 @@ fn state(simulation: &Simulation, frame: usize, ball: usize) -> Row {
 fn assert_same_bits(scene: &str, size: DVec2, deltas: &[f64], trace: &str) {
     let rows = rows(trace);
     assert_eq!(rows.len(), 465, "{trace} has 15 balls in 31 frames");
-    let mut simulation = Scene::load(scene).unwrap().with_size(size).unwrap().build().unwrap();
+    let scene = Scene::load(scene).unwrap().with_solver(Solver::Canvas).with_size(size).unwrap();
+    let mut simulation = scene.build().unwrap();
     let mut expected = rows.into_iter().peekable();
     for (frame, &delta) in (1..).zip(deltas) {
         simulation.advance(delta).unwrap();

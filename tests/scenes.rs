@@ -26,16 +26,16 @@ fn every_scene_says_what_it_shows() {
 
 #[test]
 fn stages_run_what_they_show_and_no_more() {
-    use Part::{AllPairs, Gravity, Impulse, Motion, Walls};
+    use Part::{AllPairs, Events, Gravity, Impulse, Motion, Walls};
     let expected: [(&str, &[Part]); 8] = [
         ("draw", &[Motion]),
         ("move", &[Motion]),
         ("two", &[Motion]),
         ("detect", &[Motion, AllPairs]),
-        ("walls", &[Motion, Walls, AllPairs]),
-        ("elastic", &[Motion, Walls, AllPairs, Impulse]),
-        ("inelastic", &[Motion, Walls, AllPairs, Impulse]),
-        ("gravity", &[Motion, Gravity, Walls, AllPairs, Impulse]),
+        ("walls", &[Motion, Walls, AllPairs, Events]),
+        ("elastic", &[Motion, Walls, AllPairs, Events, Impulse]),
+        ("inelastic", &[Motion, Walls, AllPairs, Events, Impulse]),
+        ("gravity", &[Motion, Gravity, Walls, AllPairs, Events, Impulse]),
     ];
     assert_eq!(scene::names()[..scene::STAGES], expected.map(|(name, _)| name));
     for (name, parts) in expected {

@@ -288,7 +288,7 @@ fn a_minimised_window_stands_still_and_goes_on_when_it_is_back() {
 fn keys_add_and_remove_balls_and_go_through_the_scenes() {
     let display = Display::start();
     let mut window = display.open(&["gravity", "--paused"]);
-    window.wait_title("gravity · canvas · 15 balls · paused");
+    window.wait_title("gravity · exact · 15 balls · paused");
     let before = window.screenshot().ball_pixels();
     window.key("a");
     window.wait_title("16 balls");
@@ -302,7 +302,9 @@ fn keys_add_and_remove_balls_and_go_through_the_scenes() {
         ("Tab", "move"),
         ("Tab", "two · canvas · 2 balls"),
         ("shift+Tab", "move"),
-        ("8", "gravity · canvas · 15 balls"),
+        ("8", "gravity · exact · 15 balls"),
+        ("s", "gravity · canvas · 15 balls"),
+        ("s", "gravity · exact · 15 balls"),
         ("bracketleft", "speed 1/2"),
         ("bracketright", "15 balls · paused"),
     ] {

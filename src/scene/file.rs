@@ -60,6 +60,9 @@ impl<T: Copy> Place<T> for Spanned<T> {
     }
 }
 
+/// What moves a scene on that doesn't say: the solver that is right for all but piles.
+const DEFAULT_SOLVER: Solver = Solver::Exact;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -122,7 +125,7 @@ struct FillTable {
 impl File {
     fn into_scene(self, origin: &str) -> Result<Scene, At> {
         let solver = match &self.solver {
-            None => Solver::Canvas,
+            None => DEFAULT_SOLVER,
             Some(name) => name.get_ref().parse().map_err(|error: UnknownSolver| at(name.span(), error))?,
         };
         let size = match &self.size {

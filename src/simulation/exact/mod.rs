@@ -351,12 +351,12 @@ impl Advance for Exact {
         let mut parts = Part::of_motion(world);
         if let Some(cells) = &self.cells {
             parts.push(if cells.single() { Part::AllPairs } else { Part::Grid });
-            if self.overlaps.is_none() {
-                parts.push(Part::Impulse);
-            }
         }
         if world.walls.is_some() || self.cells.is_some() {
             parts.push(Part::Events);
+        }
+        if self.cells.is_some() && self.overlaps.is_none() {
+            parts.push(Part::Impulse);
         }
         parts
     }
