@@ -33,15 +33,28 @@ pub(super) struct Place {
     row: u16,
 }
 
-/// A grid of cells of one width.
+/// A grid of cells of one width, with a rim of empty cells around it, so that each cell has eight neighbours.
 #[derive(Debug, Clone, Copy)]
 struct Level {
     /// Its cells are 2 to the power of this times as wide as the finest.
     shift: u32,
     columns: usize,
     rows: usize,
-    /// Where its cells begin in `heads`.
+    /// Where its cells begin in `heads`, the rim's among them.
     first: usize,
+}
+
+impl Level {
+    /// From a cell to the one below it.
+    #[inline]
+    fn stride(&self) -> usize {
+        self.columns + 2
+    }
+
+    #[inline]
+    fn index(&self, place: Place) -> usize {
+        self.first + (usize::from(place.row) + 1) * self.stride() + usize::from(place.column) + 1
+    }
 }
 
 /// Balls in cells. The outermost cells reach to infinity, so that every position has one.
@@ -56,13 +69,6 @@ pub(super) struct Cells {
     next: Vec<u32>,
     /// Each ball's level; empty where there is one alone.
     level_of: Vec<u8>,
-}
-
-/// A rectangle of cells of one level: columns and rows, both from the first to the last.
-#[derive(Debug, Clone, Copy)]
-struct Block {
-    columns: (usize, usize),
-    rows: (usize, usize),
 }
 
 /// The border of a cell across an axis (0 or 1), at its high or its low end.
@@ -98,7 +104,7 @@ impl Cells {
             let (columns, rows) =
                 (((finest.x as usize) >> shift).max(1), ((finest.y as usize) >> shift).max(1));
             cells.levels.push(Level { shift, columns, rows, first: cells.heads.len() });
-            cells.heads.resize(cells.heads.len() + columns * rows, END);
+            cells.heads.resize(cells.heads.len() + (columns + 2) * (rows + 2), END);
         }
         if shifts > 0 {
             let wide = |shift: u32| cells.width.min_element() * f64::from(1_u32 << shift);
@@ -110,7 +116,7 @@ impl Cells {
 
     /// Whether there is one cell alone.
     pub(super) fn single(&self) -> bool {
-        self.heads.len() == 1
+        self.levels.iter().all(|level| level.columns * level.rows == 1)
     }
 
     fn level(&self, ball: usize) -> usize {
@@ -139,15 +145,9 @@ impl Cells {
 
     /// Puts a ball into a cell.
     pub(super) fn put(&mut self, ball: usize, place: Place) {
-        let cell = self.index(ball, place);
+        let cell = self.levels[self.level(ball)].index(place);
         self.next[ball] = self.heads[cell];
         self.heads[cell] = ball as u32;
-    }
-
-    #[inline]
-    fn index(&self, ball: usize, place: Place) -> usize {
-        let level = &self.levels[self.level(ball)];
-        level.first + usize::from(place.row) * level.columns + usize::from(place.column)
     }
 
     /// The coordinate of a border of a ball's cell; `None` at the world's edge.
@@ -161,7 +161,7 @@ impl Cells {
 
     /// Moves a ball over a border of its cell; the cell that it is in then.
     pub(super) fn cross(&mut self, ball: usize, place: Place, border: Border) -> Place {
-        let cell = self.index(ball, place);
+        let cell = self.levels[self.level(ball)].index(place);
         let after = self.next[ball];
         if self.heads[cell] == ball as u32 {
             self.heads[cell] = after;
@@ -172,58 +172,77 @@ impl Cells {
             }
             self.next[before] = after;
         }
-        let mut place = place;
-        let coordinate = if border.axis == 0 { &mut place.column } else { &mut place.row };
-        *coordinate = if border.up { *coordinate + 1 } else { *coordinate - 1 };
+        let place = place.beyond(border);
         self.put(ball, place);
         place
     }
 
-    /// Hands over all balls, the ball itself among them, that are in the cell `place` of a ball's level or around it.
-    /// With `from`, the cell that it was in before, only those that were not around that.
+    /// Hands over all balls, the ball itself among them, that are in a ball's cell or around it. Where it came there
+    /// over a border, `crossed`, only those that were not around the cell before.
     #[inline]
     pub(super) fn for_each_near<N: Needs>(
         &self,
         ball: usize,
         place: Place,
-        from: Option<Place>,
+        crossed: Option<Border>,
         mut visit: impl FnMut(usize),
     ) {
         let own = if N::ALIKE { 0 } else { self.level(ball) };
-        let level = &self.levels[own];
-        let Some(block) = around(level, place, from) else { return };
-        self.visit_few(level, block, &mut visit);
+        self.visit_around(&self.levels[own], place, crossed, &mut visit);
         if N::ALIKE || self.levels.len() == 1 {
             return;
         }
+        let before = crossed.map(|border| place.beyond(Border { up: !border.up, ..border }));
         for (other, level) in self.levels.iter().enumerate() {
             if other < own {
-                self.visit_block(level, finer(&self.levels[own], block, level), &mut visit);
+                self.visit_within(&self.levels[own], place, crossed, level, &mut visit);
             } else if other > own {
                 let seen = |place: Place| Place {
                     column: (usize::from(place.column) >> (other - own)).min(level.columns - 1) as u16,
                     row: (usize::from(place.row) >> (other - own)).min(level.rows - 1) as u16,
                 };
-                if let Some(block) = around(level, seen(place), from.map(seen)) {
-                    self.visit_few(level, block, &mut visit);
+                if before.map(seen) != Some(seen(place)) {
+                    self.visit_around(level, seen(place), crossed, &mut visit);
                 }
             }
         }
     }
 
-    /// Visits a block of at most nine cells. Most are empty, which no branch could foretell: those that are not are
-    /// gathered first.
+    /// Visits the nine cells around a place, or the three of them beyond a border that was crossed. Most are empty,
+    /// which no branch could foretell: those that are not are gathered first.
     #[inline]
-    fn visit_few(&self, level: &Level, block: Block, visit: &mut impl FnMut(usize)) {
-        let (mut found, mut count) = ([END; 9], 0);
-        for row in block.rows.0..=block.rows.1 {
-            let start = level.first + row * level.columns;
-            for &head in &self.heads[start + block.columns.0..=start + block.columns.1] {
-                found[count.min(8)] = head;
-                count += usize::from(head != END);
+    fn visit_around(
+        &self,
+        level: &Level,
+        place: Place,
+        crossed: Option<Border>,
+        visit: &mut impl FnMut(usize),
+    ) {
+        let (mut found, mut count) = ([END; 16], 0);
+        let mut gather = |head: u32| {
+            found[count % 16] = head;
+            count += usize::from(head != END);
+        };
+        let (middle, stride) = (level.index(place), level.stride());
+        let row = |cell: usize| self.heads[cell - 1..].first_chunk::<3>().copied().unwrap_or([END; 3]);
+        match crossed {
+            None => [middle - stride, middle, middle + stride]
+                .map(row)
+                .as_flattened()
+                .iter()
+                .copied()
+                .for_each(gather),
+            Some(Border { axis: 0, up }) => {
+                let column = if up { middle + 1 } else { middle - 1 };
+                [column - stride, column, column + stride]
+                    .into_iter()
+                    .for_each(|cell| gather(self.heads[cell]));
+            }
+            Some(Border { up, .. }) => {
+                row(if up { middle + stride } else { middle - stride }).into_iter().for_each(gather);
             }
         }
-        for &head in &found[..count.min(9)] {
+        for &head in &found[..count % 16] {
             let mut at = head;
             while at != END {
                 visit(at as usize);
@@ -232,11 +251,32 @@ impl Cells {
         }
     }
 
-    fn visit_block(&self, level: &Level, block: Block, visit: &mut impl FnMut(usize)) {
-        for row in block.rows.0..=block.rows.1 {
-            let start = level.first + row * level.columns;
-            for &head in &self.heads[start + block.columns.0..=start + block.columns.1] {
-                let mut at = head;
+    /// Visits the cells of a finer level that make up those around a place, or beyond a border, of a coarser one.
+    fn visit_within(
+        &self,
+        coarse: &Level,
+        place: Place,
+        crossed: Option<Border>,
+        fine: &Level,
+        visit: &mut impl FnMut(usize),
+    ) {
+        let shift = coarse.shift - fine.shift;
+        let span = |axis: usize, at: u16, coarse: usize, fine: usize| {
+            let at = usize::from(at);
+            let (first, last) = match crossed {
+                Some(border) if border.axis == axis && border.up => (at + 1, at + 1),
+                Some(border) if border.axis == axis => (at.wrapping_sub(1), at.wrapping_sub(1)),
+                _ => (at.saturating_sub(1), (at + 1).min(coarse - 1)),
+            };
+            // The last coarse cell takes in what is left over; beyond it, and before the first, there is nothing.
+            if first >= coarse {
+                return 0..0;
+            }
+            first << shift..if last + 1 == coarse { fine } else { (last + 1) << shift }
+        };
+        for row in span(1, place.row, coarse.rows, fine.rows) {
+            for column in span(0, place.column, coarse.columns, fine.columns) {
+                let mut at = self.heads[fine.index(Place { column: column as u16, row: row as u16 })];
                 while at != END {
                     visit(at as usize);
                     at = self.next[at as usize];
@@ -246,34 +286,14 @@ impl Cells {
     }
 }
 
-/// The cells around `place`, itself among them, less those around `from`, a neighbour of it or itself.
-#[inline]
-fn around(level: &Level, place: Place, from: Option<Place>) -> Option<Block> {
-    let span = |at: u16, from: Option<u16>, count: usize| {
-        let at = usize::from(at);
-        match from.map(usize::from) {
-            Some(from) if from < at => (at + 1, at + 1),
-            Some(from) if from > at => (at.wrapping_sub(1), at.wrapping_sub(1)),
-            _ => (at.saturating_sub(1), (at + 1).min(count - 1)),
+impl Place {
+    /// The place on the other side of a border.
+    fn beyond(self, Border { axis, up }: Border) -> Self {
+        let step = |at: u16| if up { at + 1 } else { at - 1 };
+        if axis == 0 {
+            Self { column: step(self.column), ..self }
+        } else {
+            Self { row: step(self.row), ..self }
         }
-    };
-    if from == Some(place) {
-        return None;
-    }
-    let columns = span(place.column, from.map(|from| from.column), level.columns);
-    let rows = span(place.row, from.map(|from| from.row), level.rows);
-    (columns.0 < level.columns && rows.0 < level.rows).then_some(Block { columns, rows })
-}
-
-/// The cells of a finer level that make up a block of a coarser one.
-fn finer(coarse: &Level, block: Block, fine: &Level) -> Block {
-    let shift = coarse.shift - fine.shift;
-    let span = |(first, last): (usize, usize), coarse: usize, fine: usize| {
-        // The last coarse cell takes in what is left over.
-        (first << shift, if last + 1 == coarse { fine - 1 } else { ((last + 1) << shift) - 1 })
-    };
-    Block {
-        columns: span(block.columns, coarse.columns, fine.columns),
-        rows: span(block.rows, coarse.rows, fine.rows),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::simulation::flight::{self, NEVER, Pair};
 
-use super::cells::{Border, Place};
+use super::cells::Border;
 use super::flights::{Against, Marks};
 use super::{Exact, Needs};
 
@@ -39,7 +39,7 @@ impl Exact {
         if ahead.impact < flight.impact {
             (flight.impact, flight.against) = (ahead.impact, ahead.wall);
         }
-        self.meet_others::<N>(slot, now, Some(from));
+        self.meet_others::<N>(slot, now, Some(border));
         self.write_next::<N>(slot, &ahead);
     }
 
@@ -79,46 +79,61 @@ impl Exact {
     #[inline]
     fn ahead<N: Needs>(&self, slot: usize, now: f64, crossed: Option<Border>) -> Ahead {
         let flight = &self.flights[slot];
-        let (pull, radius) = (self.pull::<N>(slot), self.matter::<N>(slot).radius);
+        let pull = self.pull::<N>(slot);
         let mut ahead =
             Ahead { impact: NEVER, wall: Against::NOTHING, crossing: NEVER, border: Border::default() };
         for axis in 0..2 {
             let (at, speed, pull) = (flight.position[axis], flight.velocity[axis], pull[axis]);
-            let mut look = |up: bool| {
-                let sign = if up { 1.0 } else { -1.0 };
-                let reach =
-                    |line: f64| flight.time + flight::reach(sign * (line - at), sign * speed, sign * pull);
-                let border = Border { axis, up };
-                let line = self.cells.as_ref().and_then(|cells| cells.line::<N>(slot, flight.place, border));
-                if let Some(line) = line {
-                    let time = reach(line);
-                    // A border that was crossed on the way out is behind; so is the other side of one crossed now.
-                    let behind = || time < now || (time == now && crossed == Some(Border { axis, up: !up }));
-                    if time < ahead.crossing && !(N::GRAVITY && behind()) {
-                        (ahead.crossing, ahead.border) = (time, border);
-                    }
-                } else if self.walls.is_some() {
-                    let time = reach(if up { self.size[axis] - radius } else { radius });
-                    if time < ahead.impact {
-                        (ahead.impact, ahead.wall) = (time, Against::wall(axis, up));
-                    }
-                }
-            };
             if N::GRAVITY {
-                look(false);
-                look(true);
+                for up in [false, true] {
+                    let border = Border { axis, up };
+                    let sign = if up { 1.0 } else { -1.0 };
+                    // A border that was crossed on the way out is behind; so is the other side of one crossed now.
+                    let other_side = crossed == Some(Border { axis, up: !up });
+                    let behind = |time: f64| time < now || (time == now && other_side);
+                    self.look::<N>(slot, border, &mut ahead, behind, |line| {
+                        flight::reach(sign * (line - at), sign * speed, sign * pull)
+                    });
+                }
             } else if speed != 0.0 {
-                // Straight ahead there is one side alone.
-                look(speed > 0.0);
+                // Straight ahead there is one side alone, and none is behind.
+                let border = Border { axis, up: speed > 0.0 };
+                self.look::<N>(slot, border, &mut ahead, |_| false, |line| flight::arrive(line - at, speed));
             }
         }
         ahead
     }
 
-    /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
-    /// other's earliest. With `from`, only those that have come near by a move from that cell are looked at.
+    /// Looks at one side of a ball's cell, whose line the flight reaches after `reach` seconds.
     #[inline]
-    fn meet_others<N: Needs>(&mut self, slot: usize, now: f64, from: Option<Place>) {
+    fn look<N: Needs>(
+        &self,
+        slot: usize,
+        border: Border,
+        ahead: &mut Ahead,
+        behind: impl Fn(f64) -> bool,
+        reach: impl Fn(f64) -> f64,
+    ) {
+        let flight = &self.flights[slot];
+        let line = self.cells.as_ref().and_then(|cells| cells.line::<N>(slot, flight.place, border));
+        if let Some(line) = line {
+            let time = flight.time + reach(line);
+            if time < ahead.crossing && !behind(time) {
+                (ahead.crossing, ahead.border) = (time, border);
+            }
+        } else if self.walls.is_some() {
+            let (radius, size) = (self.matter::<N>(slot).radius, self.size[border.axis]);
+            let time = flight.time + reach(if border.up { size - radius } else { radius });
+            if time < ahead.impact {
+                (ahead.impact, ahead.wall) = (time, Against::wall(border.axis, border.up));
+            }
+        }
+    }
+
+    /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
+    /// other's earliest. Where it crosses a border now, only those that have come near by that are looked at.
+    #[inline]
+    fn meet_others<N: Needs>(&mut self, slot: usize, now: f64, crossed: Option<Border>) {
         let Some(cells) = &self.cells else { return };
         let flight = &self.flights[slot];
         let (position, velocity) = self.state::<N>(slot, now);
@@ -146,7 +161,7 @@ impl Exact {
             };
             first.or(now + time, other, self.flights[other].impact);
         };
-        cells.for_each_near::<N>(slot, flight.place, from, |other| {
+        cells.for_each_near::<N>(slot, flight.place, crossed, |other| {
             if other == slot {
             } else if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
                 // These cost most, and least where there is little time left: they come last.

@@ -51,6 +51,13 @@ pub(super) fn reach(gap: f64, speed: f64, acceleration: f64) -> f64 {
     }
 }
 
+/// When something `distance` away, in a direction that its steady `velocity` points to, arrives there; 0 where it points
+/// the other way: there it is behind. Both along one axis, with signs; the velocity is not 0.
+#[inline]
+pub(super) fn arrive(distance: f64, velocity: f64) -> f64 {
+    (distance / velocity).max(0.0)
+}
+
 /// Rounding of the relative distance and velocity, as a fraction of the sizes they were computed from.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -133,6 +140,14 @@ mod tests {
         assert_eq!(reach(-1.0, 5.0, -3.0), 0.0);
         assert_eq!(reach(-100.0, -5.0, 10.0), 0.5);
         assert_eq!(reach(-1.0, -5.0, 0.0), NEVER);
+    }
+
+    #[test]
+    fn in_steady_flight_arriving_is_reaching() {
+        for (gap, speed) in [(10.0, 5.0), (1e-300, 1e9), (0.0, 3.0), (-1.0, 5.0), (0.1, 0.3)] {
+            assert_eq!(arrive(gap, speed), reach(gap, speed, 0.0));
+            assert_eq!(arrive(-gap, -speed), reach(gap, speed, 0.0));
+        }
     }
 
     #[test]
