@@ -239,6 +239,26 @@ fn grains_among_boulders_overlap_nowhere_and_keep_their_energy() {
 }
 
 #[test]
+fn balls_that_rest_on_each_other_are_shown_touching_in_every_frame_however_short() {
+    // Two on the floor between the walls, one in the valley that they form.
+    let world = world(42.0, 100.0).with_walls(0.5).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+    let soft = |x, y| ball(x, y, 10.0, 0.0, 0.0).with_restitution(0.5).unwrap();
+    let balls = vec![soft(10.5, 90.0), soft(31.5, 90.0), soft(20.0, 50.0)];
+    let pile = Simulation::new(world.with_pairs(Pairs::Impulse), balls, Solver::Exact);
+    let mut pile = pile.unwrap();
+    pile.advance(3.0).unwrap();
+    for delta in [1.0 / 60.0, 1.0 / 144.0, 1e-3, 1e-4] {
+        pile.advance(delta).unwrap();
+        for frame in 0..500 {
+            pile.advance(delta).unwrap();
+            assert_eq!(pile.touching(), [true, true, true], "frame {frame} of {delta} s");
+        }
+    }
+    let lowest = pile.balls()[2].position().y;
+    assert!((lowest - (90.0 - (400.0_f64 - 121.0).sqrt())).abs() < 0.01, "{lowest}");
+}
+
+#[test]
 fn newtons_cradle_of_five_hands_the_velocity_on_exactly() {
     let world = world(1000.0, 100.0).with_pairs(Pairs::Impulse);
     let mut balls = vec![ball(100.0, 50.0, 10.0, 300.0, 0.0)];

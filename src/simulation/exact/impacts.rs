@@ -11,7 +11,7 @@ use crate::simulation::Tally;
 use crate::simulation::impulse::{exact_impact, held_impact};
 
 use super::flights::{Marks, Matter};
-use super::{Exact, Needs};
+use super::{Exact, LEAN, Needs};
 
 /// The part of the rest speed below which even a wall of restitution 1 holds a ball, since its hops are too many.
 const CONSERVATIVE: f64 = 0.01;
@@ -82,18 +82,22 @@ impl Exact {
         let before = velocity[axis];
         let (speed, restitution) = (sign * before, self.walls.unwrap_or_default());
         let pressed = N::GRAVITY && sign * self.gravity[axis] > 0.0;
+        let lately = self.hit_lately(slot, now);
         let least = if restitution < 1.0 { self.rest_speed } else { CONSERVATIVE * self.rest_speed };
         if self.size[axis] - 2.0 * radius < JAMMED || (pressed && restitution * speed < least) {
             velocity[axis] = 0.0;
             self.marks[slot].set(Marks::rests_on(axis), true);
         } else {
-            let chatters = speed < self.rest_speed && self.hit_lately(slot, now);
+            let chatters = speed < self.rest_speed && lately;
             velocity[axis] *= if chatters { -1.0 } else { -restitution };
         }
         tally.wall_hits += u64::from(speed > 0.0);
         tally.wall_impulse[axis] += mass * (velocity[axis] - before);
         self.set_out(slot, (position, velocity), now);
-        self.marks[slot].set(Marks::LEANS, false);
+        if pressed && !lately {
+            // So long a hop is one of its own; what is pressed to the wall by others hits it sooner.
+            self.marks[slot].set(Marks::LEANS, false);
+        }
         self.foresee::<N>(slot, now);
     }
 
@@ -102,6 +106,7 @@ impl Exact {
         let meeting = Meeting { distance: p1 - p2, velocity: v1 - v2 };
         let (first, second) = (self.matter::<N>(one), self.matter::<N>(other));
         let slow = meeting.slower_than(self.rest_speed);
+        let leans = meeting.slower_than(LEAN * self.rest_speed);
         let chatters = slow && (self.hit_lately(one, now) || self.hit_lately(other, now));
         let e = if chatters { 1.0 } else { first.restitution.min(second.restitution) };
         let (c1, c2) = if N::GRAVITY && (self.marks[one].rests() | self.marks[other].rests()) != 0 {
@@ -118,7 +123,7 @@ impl Exact {
                     .for_each(|axis| marks.set(Marks::rests_on(axis), false));
             }
             marks.set(Marks::HIT, true);
-            marks.set(Marks::LEANS, slow);
+            marks.set(Marks::LEANS, leans);
             self.set_out(slot, (position, velocity + change), now);
         }
         tally.impacts += 1;

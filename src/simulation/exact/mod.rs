@@ -67,6 +67,9 @@ pub(super) struct Exact {
 const HITS_PER_YEAR: f64 = 2.0;
 /// A year is made for this many balls at least.
 const FEWEST: usize = 64;
+/// A ball that hit another more slowly than so many times the rest speed leans on it, for as long as so many hops at
+/// the rest speed: what lies on others is shown as touching them between its hops, too.
+const LEAN: f64 = 8.0;
 /// The shortest and the longest year, s.
 const SPANS: (f64, f64) = (1.0 / (1_u64 << 58) as f64, 1024.0);
 /// Events between two looks at the caller's watch.
@@ -299,12 +302,12 @@ impl Exact {
     /// Shows the balls as they are at the clock's time. This evaluates, and never writes back.
     fn show<N: Needs>(&mut self, frame: &mut Frame<'_>) {
         let now = self.clock.shown_since(self.origin);
-        let chatter = self.chatter();
+        let lean = LEAN * self.chatter();
         for (slot, flight) in self.flights.iter().enumerate() {
             let (ball, marks) = (self.ids[slot] as usize, &mut self.marks[slot]);
             (frame.balls[ball].position, frame.balls[ball].velocity) =
                 if N::GRAVITY { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
-            let leans = marks.has(Marks::LEANS) && now - flight.time < chatter;
+            let leans = marks.has(Marks::LEANS) && now - flight.time < lean;
             let inside = self.overlaps.as_ref().is_some_and(|overlaps| !overlaps[slot].is_empty());
             frame.touching[ball] = leans || inside || marks.has(Marks::HIT);
             marks.set(Marks::HIT, false);
