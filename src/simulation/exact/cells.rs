@@ -234,9 +234,9 @@ impl Cells {
                 .for_each(gather),
             Some(Border { axis: 0, up }) => {
                 let column = if up { middle + 1 } else { middle - 1 };
-                [column - stride, column, column + stride]
-                    .into_iter()
-                    .for_each(|cell| gather(self.heads[cell]));
+                for cell in [column - stride, column, column + stride] {
+                    gather(self.heads[cell]);
+                }
             }
             Some(Border { up, .. }) => {
                 row(if up { middle + stride } else { middle - stride }).into_iter().for_each(gather);
