@@ -1,0 +1,260 @@
+//! What the `exact` solver's gases do in the long run: the laws of statistical physics, and not a bit lost.
+
+use std::f64::consts::PI;
+
+use carom::simulation::grid::Grid;
+use carom::simulation::invariants::{kinetic_energy, max_overlap, max_wall_overlap};
+use carom::{Ball, DVec2, Pairs, Scene, Simulation, Solver, World};
+
+/// `side`² balls of radius 1 px and mass 1 that cover the part `eta` of a square box, all at `speed` px/s.
+///
+/// They start on a square lattice, which melts at once, and fill the box evenly: no density has to even out from one
+/// end of it to the other. Directions come without sines, so that the same bits start on every machine.
+fn gas(side: usize, eta: f64, speed: f64) -> Simulation {
+    let pitch = (PI / eta).sqrt();
+    let ball = |index: usize| {
+        let place = DVec2::new((index % side) as f64 + 0.5, (index / side) as f64 + 0.5) * pitch;
+        let bits = ((index * index) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let t = (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
+        let direction = DVec2::new(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
+        let sign = if bits & 1024 == 0 { 1.0 } else { -1.0 };
+        Ball::new(place, 1.0).unwrap().with_velocity(direction * (sign * speed)).unwrap()
+    };
+    let world = World::new(DVec2::splat(side as f64 * pitch)).unwrap().with_walls(1.0).unwrap();
+    let balls = (0..side * side).map(ball).collect();
+    Simulation::new(world.with_pairs(Pairs::Impulse), balls, Solver::Exact).unwrap()
+}
+
+/// Advances in steps of `delta` until there have been so many impacts more.
+fn advance_by_impacts(simulation: &mut Simulation, delta: f64, impacts: u64) {
+    let end = simulation.tally().impacts + impacts;
+    while simulation.tally().impacts < end {
+        simulation.advance(delta).unwrap();
+    }
+}
+
+/// kT of balls of mass 1, px²/s²: half of ⟨v²⟩.
+fn temperature(simulation: &Simulation) -> f64 {
+    kinetic_energy(simulation.balls()) / simulation.balls().len() as f64
+}
+
+/// FNV-1a over the bits of all positions and velocities.
+fn hash(simulation: &Simulation) -> u64 {
+    let numbers = simulation.balls().iter().flat_map(|ball| {
+        let (p, v) = (ball.position(), ball.velocity());
+        [p.x, p.y, v.x, v.y]
+    });
+    let bytes = numbers.flat_map(|number| number.to_bits().to_le_bytes());
+    bytes.fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3))
+}
+
+#[test]
+fn ten_million_elastic_impacts_keep_the_energy_and_leave_no_ball_in_another_or_in_a_wall() {
+    let mut simulation = gas(20, 0.4, 200.0);
+    let start = kinetic_energy(simulation.balls());
+    let mut grid = Grid::new(simulation.balls(), simulation.world().size());
+    let (mut overlap, mut escape, mut drift, mut seen) = (0.0_f64, 0.0_f64, 0.0_f64, 0);
+    while simulation.tally().impacts < 10_000_000 {
+        // Overlaps are deepest at impacts, where no ordinary frame would see them: stop less than 2⁻⁴⁶ s before an
+        // event, and step over it. (Where the stop falls between the two events of one impact, that is shown as much
+        // too early: 10⁻¹¹ px at these speeds.)
+        simulation.advance_while(1.0, || false).unwrap();
+        for _ in 0..2 {
+            overlap = overlap.max(max_overlap(&mut grid, simulation.balls()));
+            escape = escape.max(max_wall_overlap(simulation.world(), simulation.balls()));
+            simulation.advance(2_f64.powi(-46)).unwrap();
+            seen += u32::from(simulation.touching().contains(&true));
+        }
+        drift = drift.max((kinetic_energy(simulation.balls()) / start - 1.0).abs());
+    }
+    assert!(seen > 20_000, "{seen} impacts were looked at");
+    assert!(overlap < 1e-10, "overlap {overlap:e}");
+    assert!(escape < 1e-10, "escape {escape:e}");
+    assert!(drift < 1e-12, "drift {drift:e}");
+}
+
+/// Z = PA/NkT, from the rate of impacts between balls and from that of hits on the walls.
+///
+/// The virial of elastic impacts is in 2D Z − 1 = (√π/4)·σω/√(kT/m), with ω the impacts per disc and second (each
+/// counts for both of its discs). A ball of a Maxwellian gas brings √(2πmkT) to a wall on average, so h hits a second
+/// on four walls push each with F = h√(2πmkT)/4; and the virial theorem for centres that keep to a box of side L − σ
+/// says F·(L − σ) = NkT·Z of the impacts, whatever the density does at the walls.
+fn compressibilities(simulation: &mut Simulation, impacts: u64) -> (f64, f64) {
+    let (start, before) = (simulation.time(), simulation.tally());
+    advance_by_impacts(simulation, 0.01, impacts);
+    let (seconds, after) = (simulation.time() - start, simulation.tally());
+    let (count, kt) = (simulation.balls().len() as f64, temperature(simulation));
+    let rate = 2.0 * (after.impacts - before.impacts) as f64 / (count * seconds);
+    let hits = (after.wall_hits - before.wall_hits) as f64 / seconds;
+    let (diameter, side) = (2.0, simulation.world().size().x);
+    let of_impacts = 1.0 + PI.sqrt() / 4.0 * diameter * rate / kt.sqrt();
+    let of_walls = hits * (2.0 * PI * kt).sqrt() / 4.0 * (side - diameter) / (count * kt);
+    (of_impacts, of_walls)
+}
+
+/// How much larger than in an endless gas Z is between walls.
+///
+/// To first order in 1/L the grand potential of discs of radius r in a box is −PL² + 4γL, with γ the line tension of
+/// a hard wall. Scaled particle theory (Helfand, Frisch & Lebowitz 1961) has in 2D βP = η/πr²(1−η)² and
+/// βγ = η/πr(1−η). From N = −∂Ω/∂μ the middle of the box is denser than N/L² by the factor 1 + (4r/L)(1−η)/(1+η); a
+/// wall bears F = PL − 2γ; and F·(L − 2r) = NkT·Z of the impacts (see [`compressibilities`]). Together: 1 + 2rη/L.
+fn walls_factor(simulation: &Simulation, eta: f64) -> f64 {
+    1.0 + 2.0 * eta / simulation.world().size().x
+}
+
+#[test]
+fn the_pressure_of_hard_discs_is_that_of_their_virial_series() {
+    // Clisby & McCoy (2006), ten coefficients and a geometric tail.
+    for (eta, published) in [(0.1, 1.23614), (0.2, 1.57037), (0.3, 2.0633), (0.4, 2.829), (0.5, 4.107)] {
+        let mut simulation = gas(70, eta, 1000.0);
+        advance_by_impacts(&mut simulation, 0.01, 150_000);
+        let (of_impacts, of_walls) = compressibilities(&mut simulation, 3_000_000);
+        let z = of_impacts / walls_factor(&simulation, eta);
+        assert!((z / published - 1.0).abs() < 0.003, "η = {eta}: Z = {z} is not {published}");
+        assert!((of_walls / of_impacts - 1.0).abs() < 0.015, "η = {eta}: {of_walls} is not {of_impacts}");
+    }
+}
+
+#[test]
+fn walls_raise_the_pressure_of_a_small_box_as_scaled_particle_theory_says() {
+    // By 1.9, 4.0 and 2.0 %; the corners add some tenths at most.
+    for (side, eta, published) in [(10, 0.3, 2.0633), (10, 0.5, 4.107), (20, 0.5, 4.107)] {
+        let mut simulation = gas(side, eta, 1000.0);
+        advance_by_impacts(&mut simulation, 0.01, 100_000);
+        let (of_impacts, of_walls) = compressibilities(&mut simulation, 1_500_000);
+        let (raised, expected) = (of_impacts / published, walls_factor(&simulation, eta));
+        assert!((raised - expected).abs() < 0.005, "{side}² discs, η = {eta}: {raised} is not {expected}");
+        assert!((of_walls / of_impacts - 1.0).abs() < 0.01, "η = {eta}: {of_walls} is not {of_impacts}");
+    }
+}
+
+#[test]
+fn equal_speeds_become_maxwellian() {
+    // Maxwell (1860): in 2D the part of balls slower than v is 1 − exp(−v²/⟨v²⟩), so that ⟨|v|⟩² = π/4·⟨v²⟩ and
+    // ⟨v⁴⟩ = 2⟨v²⟩².
+    let mut simulation = gas(32, 0.2, 1000.0);
+    let mean = 2.0 * temperature(&simulation);
+    advance_by_impacts(&mut simulation, 0.01, 50_000);
+    let mut squares = Vec::new();
+    for _ in 0..800 {
+        // Some five impacts of each ball.
+        simulation.advance(0.01).unwrap();
+        squares.extend(simulation.balls().iter().map(|ball| ball.velocity().length_squared() / mean));
+    }
+    let count = squares.len() as f64;
+    let moment = |power: f64| squares.iter().map(|square: &f64| square.powf(power)).sum::<f64>() / count;
+    let (first, second, fourth) = (moment(0.5), moment(1.0), moment(2.0));
+    assert!((second - 1.0).abs() < 1e-12, "{second}");
+    // Both within four standard errors.
+    assert!((first * first / (PI / 4.0) - 1.0).abs() < 0.003, "{first}");
+    assert!((fourth / 2.0 - 1.0).abs() < 0.01, "{fourth}");
+    squares.sort_by(f64::total_cmp);
+    let distances = squares.iter().enumerate().map(|(rank, square)| {
+        let expected = 1.0 - (-square).exp();
+        (rank as f64 / count - expected).abs().max(((rank + 1) as f64 / count - expected).abs())
+    });
+    let distance = distances.fold(0.0, f64::max) * count.sqrt();
+    // Kolmogorov (1933): samples are farther off once in a thousand times.
+    assert!(distance < 1.95, "{distance}");
+}
+
+#[test]
+fn a_granular_gas_cools_by_haffs_law() {
+    // Haff (1983): T = T₀/(1 + t/τ)² with τ = 4/((1 − e²)ω₀), and ω₀ the rate of impacts per disc by Enskog's theory.
+    // It holds until the gas swirls and clusters, which it cannot in so small a box (Goldhirsch & Zanetti 1993):
+    // viscosity stops a vortex of its size faster than the gas cools. Few balls make noise, so there are many runs.
+    const RUNS: u32 = 60;
+    for (side, eta, e) in [(20, 0.1, 0.95), (15, 0.1, 0.9)] {
+        let mut elastic = gas(side, eta, 1e6);
+        let mut ratios = [0.0; 6];
+        for _ in 0..RUNS {
+            advance_by_impacts(&mut elastic, 1e-5, 10 * (side * side) as u64);
+            let balls = elastic.balls().iter().map(|ball| ball.with_restitution(e).unwrap()).collect();
+            let mut simulation = Simulation::new(*elastic.world(), balls, Solver::Exact).unwrap();
+            let start = temperature(&simulation);
+            let (density, diameter) = (eta / PI, 2.0);
+            let contact = (1.0 - 7.0 * eta / 16.0) / (1.0 - eta).powi(2);
+            let rate = 2.0 * density * diameter * contact * (PI * start).sqrt();
+            let tau = 4.0 / ((1.0 - e * e) * rate);
+            for (taus, ratio) in (1..).zip(&mut ratios) {
+                simulation.advance(tau).unwrap();
+                let expected = start / f64::from(1 + taus).powi(2);
+                *ratio += temperature(&simulation) / expected / f64::from(RUNS);
+            }
+        }
+        // The last at a forty-ninth of the temperature.
+        assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.025), "e = {e}: {ratios:?}");
+    }
+}
+
+#[test]
+fn a_scene_gives_the_same_bits_on_every_run_and_machine_and_however_it_is_cut_into_frames() {
+    // The hashes are those of the first run: all is + − × ÷ and √, which IEEE 754 rounds in one way only.
+    let gravity = || Scene::load("gravity").unwrap().with_solver(Solver::Exact).build().unwrap();
+    let discs = || gas(22, 0.3, 200.0);
+    let scenes: [(&dyn Fn() -> Simulation, u64); 2] =
+        [(&gravity, 0x3EE3_EF2F_86FE_E90E), (&discs, 0x5E7B_E82E_C1DE_A7BF)];
+    for (build, expected) in scenes {
+        for frames in
+            [&[4.0; 1][..], &[4.0; 1], &[1.0 / 60.0; 240], &[1.0 / 144.0; 576], &[0.1, 0.7, 0.0, 3.2]]
+        {
+            let mut simulation = build();
+            for &delta in frames {
+                simulation.advance(delta).unwrap();
+            }
+            assert_eq!(hash(&simulation), expected, "{:#X}, {} frames", hash(&simulation), frames.len());
+        }
+        let mut simulation = build();
+        while simulation.time() < 4.0 {
+            // As often as the solver lets itself be interrupted.
+            simulation.advance_while(4.0 - simulation.time(), || false).unwrap();
+        }
+        assert_eq!(hash(&simulation), expected, "{:#X}, interrupted", hash(&simulation));
+    }
+}
+
+#[test]
+fn an_hour_of_frames_ends_on_the_same_bits_as_one_step_of_an_hour() {
+    let elastic = || Scene::load("elastic").unwrap().with_solver(Solver::Exact).build().unwrap();
+    let mut once = elastic();
+    let start = kinetic_energy(once.balls());
+    once.advance(3600.0).unwrap();
+    assert!(once.tally().impacts > 10_000, "{:?}", once.tally());
+    // The number next to 1/60 is so much less that an hour of it ends 5·10⁻¹⁴ s early.
+    for (rate, rest) in [(60.0, 5e-14), (64.0, 0.0)] {
+        let mut simulation = elastic();
+        let (mut drift, mut escape) = (0.0_f64, 0.0_f64);
+        for _ in 0..(3600.0 * rate) as u32 {
+            simulation.advance(1.0 / rate).unwrap();
+            drift = drift.max((kinetic_energy(simulation.balls()) / start - 1.0).abs());
+            escape = escape.max(max_wall_overlap(simulation.world(), simulation.balls()));
+        }
+        simulation.advance(rest).unwrap();
+        assert_eq!(hash(&simulation), hash(&once), "{rate} Hz");
+        assert!(drift < 1e-12, "{rate} Hz: {drift:e}");
+        assert!(escape < 1e-12, "{rate} Hz: {escape:e}");
+    }
+}
+
+#[test]
+fn after_an_hour_at_sixty_frames_a_second_a_ball_is_where_its_unfolded_line_ends() {
+    let world = World::new(DVec2::new(1280.0, 720.0)).unwrap().with_walls(1.0).unwrap();
+    // No period: the sides and the velocity have no common measure.
+    let velocity = DVec2::new(700.0 * 2_f64.sqrt(), -500.0 * 3_f64.sqrt());
+    let ball = Ball::new(DVec2::new(300.0, 200.0), 10.0).unwrap().with_velocity(velocity).unwrap();
+    let mut simulation = Simulation::new(world, vec![ball], Solver::Exact).unwrap();
+    for _ in 0..216_000 {
+        simulation.advance(1.0 / 60.0).unwrap();
+    }
+    let fold = |at: f64, span: f64| {
+        let within = at.rem_euclid(2.0 * span);
+        if within > span { 2.0 * span - within } else { within }
+    };
+    let x = 10.0 + fold(290.0 + velocity.x * 3600.0, 1260.0);
+    let y = 10.0 + fold(190.0 + velocity.y * 3600.0, 700.0);
+    let error = (simulation.balls()[0].position() - DVec2::new(x, y)).length();
+    assert!(simulation.tally().wall_hits > 7000, "{:?}", simulation.tally());
+    // Each bounce is timed to 10⁻¹³ s, the rounding of times of some 10³ s, in which the ball moves 10⁻¹⁰ px: √7000
+    // times that.
+    assert!(error < 2e-8, "{error:e}");
+}
