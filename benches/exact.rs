@@ -1,10 +1,13 @@
 //! What the `exact` solver reaches: impacts per second, published figures that take too long for a test.
 //!
-//! `cargo bench --bench exact` runs all but the long ones; names choose: `speed`, `galperin`, `pressure`, `million`.
+//! `cargo bench --bench exact` runs all but the long ones; names choose: `speed`, `galperin`, `pressure` (some minutes;
+//! with densities, those alone: `pressure 0.2 0.5`), `million`.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
+use std::fs;
 use std::time::Instant;
 
+use carom::simulation::invariants::kinetic_energy;
 use carom::{Ball, DVec2, Pairs, Scene, Simulation, Solver, World};
 
 /// An elastic gas of equal balls of radius 3 in walls, at up to 200 px/s, that covers the part `eta` of the world.
@@ -40,6 +43,32 @@ fn rate(simulation: &mut Simulation, impacts: u64) -> f64 {
         simulation.advance(1.0 / 60.0).expect("a frame's delta is in range");
     }
     (simulation.tally().impacts - before) as f64 / start.elapsed().as_secs_f64()
+}
+
+/// A size in `/proc/self/status`, bytes; Linux alone has it.
+fn memory(field: &str) -> Option<f64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let size = status.lines().find_map(|line| line.strip_prefix(field)?.strip_prefix(':'))?;
+    size.split_whitespace().next()?.parse().ok().map(|kibibytes: f64| 1024.0 * kibibytes)
+}
+
+fn million(eta: f64) {
+    let count = 1_000_000;
+    let before = memory("VmRSS");
+    let per_ball = |field: &str| {
+        let bytes = memory(field).zip(before).map(|(now, before)| (now - before) / count as f64);
+        bytes.map_or_else(|| "n/a".to_owned(), |bytes| format!("{bytes:.0}"))
+    };
+    let mut simulation = gas(count, eta);
+    let built = per_ball("VmRSS");
+    simulation.advance(1e-9).expect("a delta in range");
+    let begun = per_ball("VmRSS");
+    rate(&mut simulation, 2 * count as u64);
+    let (running, most) = (per_ball("VmRSS"), per_ball("VmHWM"));
+    println!(
+        "η = {eta}, {count} balls: {built} bytes a ball when built, {begun} when begun, {running} after two million \
+         impacts; {most} at most so far"
+    );
 }
 
 fn speed(counts: &[usize], eta: f64) {
@@ -82,6 +111,88 @@ fn galperin(n: i32) {
     );
 }
 
+/// `side`² discs of radius 1 that cover the part `eta` of a square box: a square lattice, which melts at once.
+fn discs(side: usize, eta: f64) -> Simulation {
+    let pitch = (PI / eta).sqrt();
+    let disc = |index: usize| {
+        let place = DVec2::new((index % side) as f64 + 0.5, (index / side) as f64 + 0.5) * pitch;
+        let bits = ((index * index) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let velocity = DVec2::from_angle(TAU * bits as f64 / u64::MAX as f64) * 1000.0;
+        Ball::new(place, 1.0).and_then(|ball| ball.with_velocity(velocity)).expect("a disc of the lattice")
+    };
+    let world = World::new(DVec2::splat(side as f64 * pitch)).and_then(|world| world.with_walls(1.0));
+    let world = world.expect("a box around the lattice").with_pairs(Pairs::Impulse);
+    Simulation::new(world, (0..side * side).map(disc).collect(), Solver::Exact).expect("a lattice in its box")
+}
+
+/// Z = PA/NkT of hard discs by ten virial coefficients over powers of the second, and a geometric tail.
+fn virial_series(eta: f64) -> f64 {
+    // Clisby & McCoy (2006).
+    const COEFFICIENTS: [f64; 10] = [
+        1.0,
+        1.0,
+        0.782_004,
+        0.532_231_80,
+        0.333_556_04,
+        0.198_842_5,
+        0.114_867_28,
+        0.064_993_0,
+        0.036_219_3,
+        0.019_953_7,
+    ];
+    let terms: Vec<f64> = COEFFICIENTS
+        .iter()
+        .zip(0..)
+        .map(|(coefficient, power)| coefficient * (2.0 * eta).powi(power))
+        .collect();
+    let ratio = terms[9] / terms[8];
+    terms.iter().sum::<f64>() + terms[9] * ratio / (1.0 - ratio)
+}
+
+/// Z between walls by the rate of impacts (see `tests/exact_gas.rs`), with its standard error from the averages of
+/// blocks.
+fn pressure_between_walls(side: usize, eta: f64, impacts: u64) -> (f64, f64) {
+    const BLOCKS: u32 = 40;
+    let mut simulation = discs(side, eta);
+    let count = (side * side) as f64;
+    // A hundred impacts a disc.
+    rate(&mut simulation, 50 * (side * side) as u64);
+    let kt = kinetic_energy(simulation.balls()) / count;
+    let blocks: Vec<f64> = (0..BLOCKS)
+        .map(|_| {
+            let (start, before) = (simulation.time(), simulation.tally().impacts);
+            rate(&mut simulation, impacts / u64::from(BLOCKS));
+            let hits = (simulation.tally().impacts - before) as f64;
+            1.0 + PI.sqrt() * hits / (count * (simulation.time() - start) * kt.sqrt())
+        })
+        .collect();
+    let mean = blocks.iter().sum::<f64>() / f64::from(BLOCKS);
+    let squares = blocks.iter().map(|block| (block - mean).powi(2)).sum::<f64>();
+    (mean, (squares / f64::from(BLOCKS * (BLOCKS - 1))).sqrt())
+}
+
+/// The pressure of hard discs, without what the walls add to it: that goes as 1/L, so it falls out of twice the Z of 4N
+/// discs less the Z of N. The larger gas counts twice in the noise and has twice the impacts, which is the best division.
+fn pressure(eta: f64) {
+    const IMPACTS: u64 = 40_000_000;
+    let published = virial_series(eta);
+    let show = |name: &str, (z, error): (f64, f64)| {
+        let percent = 100.0 / published;
+        println!(
+            "  {name}: Z = {z:.5} ± {error:.5}, {:+.4} ± {:.4} % off the series",
+            percent * (z - published),
+            percent * error
+        );
+    };
+    println!("η = {eta}: Z = {published:.5} by the virial series (Clisby & McCoy 2006)");
+    let [small, large] = [(100, IMPACTS), (200, 2 * IMPACTS)].map(|(side, impacts)| {
+        let measured = pressure_between_walls(side, eta, impacts);
+        show(&format!("{} discs between walls", side * side), measured);
+        measured
+    });
+    show("extrapolated to no walls", (2.0 * large.0 - small.0, (2.0 * large.1).hypot(small.1)));
+}
+
 fn main() {
     let arguments: Vec<String> =
         std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
@@ -103,5 +214,12 @@ fn main() {
     if asked("million") {
         speed(&[1_000_000], 0.2);
         speed(&[1_000_000], 0.7);
+        million(0.2);
+        million(0.7);
+    }
+    if asked("pressure") {
+        let chosen: Vec<f64> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
+        let densities = if chosen.is_empty() { vec![0.1, 0.2, 0.3, 0.4, 0.5] } else { chosen };
+        densities.into_iter().for_each(pressure);
     }
 }

@@ -50,6 +50,8 @@ fn hash(simulation: &Simulation) -> u64 {
 
 #[test]
 fn ten_million_elastic_impacts_keep_the_energy_and_leave_no_ball_in_another_or_in_a_wall() {
+    // Radius 1 is the hardest: where the squared distance at contact is a power of two, rounding the quotient by it has a
+    // bias, and the energy grows by 3·10⁻²⁰ of itself an impact. With other radii it wanders about 10⁻¹⁴.
     let mut simulation = gas(20, 0.4, 200.0);
     let start = kinetic_energy(simulation.balls());
     let mut grid = Grid::new(simulation.balls(), simulation.world().size());
@@ -98,6 +100,9 @@ fn compressibilities(simulation: &mut Simulation, impacts: u64) -> (f64, f64) {
 /// a hard wall. Scaled particle theory (Helfand, Frisch & Lebowitz 1961) has in 2D βP = η/πr²(1−η)² and
 /// βγ = η/πr(1−η). From N = −∂Ω/∂μ the middle of the box is denser than N/L² by the factor 1 + (4r/L)(1−η)/(1+η); a
 /// wall bears F = PL − 2γ; and F·(L − 2r) = NkT·Z of the impacts (see [`compressibilities`]). Together: 1 + 2rη/L.
+///
+/// The theory is an approximation: of 10⁴ discs it leaves 0.01–0.05 % of Z, as the extrapolations of
+/// `cargo bench --bench exact -- pressure` show.
 fn walls_factor(simulation: &Simulation, eta: f64) -> f64 {
     1.0 + 2.0 * eta / simulation.world().size().x
 }
