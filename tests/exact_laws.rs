@@ -206,7 +206,7 @@ fn an_advance_that_is_cut_short_goes_on_to_the_same_bits() {
         let done = pieces
             .advance_while(asked, || {
                 looks += 1;
-                looks % 5 != 0
+                !looks.is_multiple_of(5)
             })
             .unwrap();
         assert!(done <= asked && pieces.time() == before + done);
@@ -410,7 +410,7 @@ fn in_detect_what_overlaps_at_the_moment_of_a_frame_is_flagged_with_gravity_too(
             let mut now = vec![false; simulation.balls().len()];
             grid.for_each(simulation.balls(), |i, j| (now[i as usize], now[j as usize]) = (true, true));
             for (ball, (now, flag)) in now.iter().zip(simulation.touching()).enumerate() {
-                assert!(flag | !now, "ball {ball} at {}", simulation.time());
+                assert!(*flag || !now, "ball {ball} at {}", simulation.time());
                 flagged += u32::from(*flag);
                 overlapping += u32::from(*now);
             }

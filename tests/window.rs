@@ -383,7 +383,7 @@ fn arrows_with_control_tilt_gravity_and_a_ball_at_rest_falls_that_way() {
         let shown = window.screenshot();
         let ball = |&x: &usize| (0..SCREEN.1).any(|y| shown.at(x, y) == BALL);
         let (left, right) = ((0..SCREEN.0).find(ball), (0..SCREEN.0).rfind(ball));
-        left.zip(right).map(|(left, right)| (left + right) / 2)
+        left.zip(right).map(|(left, right)| usize::midpoint(left, right))
     };
     let before = centre(&window).unwrap();
     window.key("space");

@@ -89,7 +89,7 @@ impl Cells {
         let roomy = (area / (CELLS_PER_BALL * count.max(1) as f64)).sqrt();
         let largest = 2.0 * most * MARGIN;
         let ratio = largest / roomy.max(2.0 * least * MARGIN);
-        let shifts = (ratio / ONE_LEVEL).log2().ceil().clamp(0.0, 15.0) as u32;
+        let shifts = (0..15).find(|&shift| ratio <= ONE_LEVEL * f64::from(1_u32 << shift)).unwrap_or(15);
         let width = roomy.max(largest / f64::from(1_u32 << shifts));
         let several = (world.size / width).floor().clamp(DVec2::ONE, DVec2::splat(MOST));
         let (finest, shifts) = if count <= FEW { (DVec2::ONE, 0) } else { (several, shifts) };

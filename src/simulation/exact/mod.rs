@@ -331,9 +331,10 @@ fn first_span(world: &World, balls: &[Ball]) -> f64 {
     let energy = balls.iter().map(|ball| ball.velocity.length_squared()).sum::<f64>() / count;
     let free = (world.size.x * world.size.y / count).sqrt();
     let speed = energy.sqrt() + (world.gravity.unwrap_or_default().length() * free).sqrt();
-    let power = (free / speed).log2().ceil();
-    // Nothing moves: any length will do.
-    if power.is_finite() { power.exp2().clamp(SPANS.0, SPANS.1) } else { 1.0 }
+    // By comparison, not by a logarithm, whose last bit differs from machine to machine.
+    let spans = std::iter::successors(Some(SPANS.0), |span| Some(span * 2.0));
+    // Where nothing moves any length will do.
+    spans.take_while(|&span| span < SPANS.1).find(|span| span * speed >= free).unwrap_or(1.0)
 }
 
 impl Advance for Exact {
