@@ -212,10 +212,11 @@ fn main() {
         speed(&[count], eta);
     }
     if asked("million") {
-        speed(&[1_000_000], 0.2);
-        speed(&[1_000_000], 0.7);
+        // First, while nothing that was freed is still resident.
         million(0.2);
         million(0.7);
+        speed(&[1_000_000], 0.2);
+        speed(&[1_000_000], 0.7);
     }
     if asked("pressure") {
         let chosen: Vec<f64> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
