@@ -171,8 +171,8 @@ fn pressure_between_walls(side: usize, eta: f64, impacts: u64) -> (f64, f64) {
     (mean, (squares / f64::from(BLOCKS * (BLOCKS - 1))).sqrt())
 }
 
-/// The pressure of hard discs, without what the walls add to it: that goes as 1/L, so it falls out of twice the Z of 4N
-/// discs less the Z of N. The larger gas counts twice in the noise and has twice the impacts, which is the best division.
+/// The pressure of hard discs, without what the walls add to it: that goes as 1/L, so it falls out of twice the Z of
+/// 4N discs less the Z of N. The larger gas counts twice in the noise; twice the impacts make the least of it.
 fn pressure(eta: f64) {
     const IMPACTS: u64 = 40_000_000;
     let published = virial_series(eta);

@@ -50,8 +50,8 @@ fn hash(simulation: &Simulation) -> u64 {
 
 #[test]
 fn ten_million_elastic_impacts_keep_the_energy_and_leave_no_ball_in_another_or_in_a_wall() {
-    // Radius 1 is the hardest: where the squared distance at contact is a power of two, rounding the quotient by it has a
-    // bias, and the energy grows by 3·10⁻²⁰ of itself an impact. With other radii it wanders about 10⁻¹⁴.
+    // Radius 1 is the hardest: where the squared distance at contact is a power of two, rounding is biased there, and
+    // this gas gains 3·10⁻²⁰ of its energy an impact. With other radii its energy wanders by 10⁻¹⁴.
     let mut simulation = gas(20, 0.4, 200.0);
     let start = kinetic_energy(simulation.balls());
     let mut grid = Grid::new(simulation.balls(), simulation.world().size());
