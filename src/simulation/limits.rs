@@ -45,7 +45,7 @@ pub const REST_SPEED: Quantity = Quantity { name: "rest speed", unit: "px/s", lo
 /// a pixel high under the demo's gravity.
 pub const DEFAULT_REST_SPEED: f64 = 1.0;
 
-/// The most balls that one simulation takes: their indices are `u32`, and ten million balls fill a gigabyte.
+/// The most balls that one simulation takes: their indices are `u32`, and ten million balls of `exact` fill three gigabytes.
 pub const MAX_BALLS: usize = 10_000_000;
 
 impl Quantity {

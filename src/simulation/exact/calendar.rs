@@ -55,8 +55,8 @@ pub(super) struct Calendar {
     late: BinaryHeap<Reverse<Entry>>,
 }
 
-/// Events of a ball to be written down in a year, at most. A year of two impacts a ball has about ten.
-const MOST_WRITTEN: usize = 32;
+/// Events of a ball to be written down in a year, at most. A year of one impact a ball has three or four.
+const MOST_WRITTEN: usize = 6;
 /// Moments of a year, of which each may be its end: a power of two.
 pub(super) const MOMENTS: f64 = (1_u64 << 20) as f64;
 
@@ -100,7 +100,16 @@ impl Calendar {
             let day = (time * self.days_per_second) as usize;
             let entry = Entry { time, ball };
             self.written += 1;
-            if day < self.opened { self.late.push(Reverse(entry)) } else { self.days[day].push(entry) }
+            if day < self.opened {
+                self.late.push(Reverse(entry));
+            } else {
+                let day = &mut self.days[day];
+                if day.len() == day.capacity() {
+                    // By a quarter, not to the double: days stay full, and all of them have the same number to hold.
+                    day.reserve_exact(day.len() / 4 + 4);
+                }
+                day.push(entry);
+            }
         }
     }
 

@@ -64,14 +64,14 @@ pub(super) struct Exact {
 }
 
 /// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
-const HITS_PER_YEAR: f64 = 2.0;
+const HITS_PER_YEAR: f64 = 1.0;
 /// A year is made for this many balls at least.
 const FEWEST: usize = 64;
 /// A ball that hit another more slowly than so many times the rest speed leans on it, for as long as so many hops at
 /// the rest speed: what lies on others is shown as touching them between its hops, too.
 const LEAN: f64 = 8.0;
 /// The shortest and the longest year, s.
-const SPANS: (f64, f64) = (1.0 / (1_u64 << 58) as f64, 1024.0);
+const SPANS: (f64, f64) = (1.0 / (1_u64 << 58) as f64, 16.0);
 /// Events between two looks at the caller's watch.
 const EVENTS_PER_LOOK: u32 = 256;
 
