@@ -46,6 +46,9 @@ const MARGIN: f64 = 1.0 + EDGE;
 const FAR: f64 = (1_u64 << 40) as f64;
 /// Adding this to a number of less than 2⁵¹ leaves its nearest integer in the low bits of the sum.
 const ROUND_TO_BITS: f64 = 1.5 * (1_u64 << 52) as f64;
+/// Cells on an axis are doubled fewer times than this: their product, before it is cut to the number of balls, still
+/// fits in 32 bits.
+const MOST_DOUBLINGS: u32 = 15;
 /// The fewest cells on an axis: with four, a cell's neighbours on both sides are different cells.
 const FEWEST: usize = 4;
 /// Marks a ball that is kept out of the cells.
@@ -60,8 +63,9 @@ impl Grid {
         let least = 2.0 * MARGIN * reach;
         // The cells of an axis that its length has room for, and their width.
         let axis = |length: f64| {
-            let count =
-                (1..32).map(|power| 2_usize << power).take_while(|&count| count as f64 * least <= length);
+            let count = (1..MOST_DOUBLINGS)
+                .map(|power| 2_usize << power)
+                .take_while(|&count| count as f64 * least <= length);
             let count = count.last().unwrap_or(FEWEST);
             (count, (length / count as f64).max(least))
         };

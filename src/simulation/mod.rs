@@ -154,13 +154,15 @@ impl Simulation {
         Ok(Self { world, balls, touching, solver, rest_speed, engine, time, tally })
     }
 
-    /// The same simulation with another rest speed, px/s. [`Solver::Exact`] lays a ball to rest on a wall where it
-    /// would bounce off more slowly, and takes no energy from balls that chatter against each other below it; the
-    /// other solvers do not know it. It starts at [`DEFAULT_REST_SPEED`].
+    /// The same simulation with another rest speed u, px/s. [`Solver::Exact`] lays a ball to rest on a wall where it
+    /// would bounce off more slowly, lets what leans on a ball at rest hop off at u/2 at least, and takes no energy from
+    /// balls that chatter: that hit each other more slowly than u, and within 2u/g of an impact before, or faster but
+    /// within 2u²/g of the place of that. The other solvers do not know it. It starts at [`DEFAULT_REST_SPEED`].
     ///
-    /// A smaller one follows more, and smaller, bounces: the hops that are left out are up to u²/2g high, and a ball
-    /// that bounces to rest does so up to 2u/g/(1 − e) seconds too early; the number of chattering impacts of balls
-    /// that lie on each other grows as 1/u.
+    /// A smaller one follows more, and smaller, bounces: the hops that are left out are up to u²/2g high, a ball that
+    /// bounces to rest does so up to 2u/g/(1 − e) seconds too early, and hops of all balls together add ½Mu²/4 to the
+    /// energy at most, about; the number of chattering impacts of balls that lie on each other grows as 1/u. A rest speed
+    /// at which hops of a hundredth of the smallest radius would be left out counts as a smaller one.
     ///
     /// # Errors
     /// [`OutOfRange`] where the speed is not in the range of rest speeds.

@@ -113,6 +113,11 @@ impl Calendar {
         }
     }
 
+    /// Gives back an event that was taken and will be taken again.
+    pub(super) fn put_back(&mut self, entry: Entry) {
+        self.late.push(Reverse(entry));
+    }
+
     /// Takes the next event of the open day, where it is not later than `until`.
     #[inline]
     pub(super) fn next(&mut self, until: f64) -> Option<Entry> {

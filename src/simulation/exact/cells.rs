@@ -107,7 +107,7 @@ impl Cells {
             cells.heads.resize(cells.heads.len() + (columns + 2) * (rows + 2), END);
         }
         if shifts > 0 {
-            let wide = |shift: u32| cells.width.min_element() * f64::from(1_u32 << shift);
+            let wide = |shift: u32| width * f64::from(1_u32 << shift);
             let level = |&radius: &f64| (0..shifts).find(|&shift| wide(shift) >= 2.0 * radius * MARGIN);
             cells.level_of = radii.iter().map(|radius| level(radius).unwrap_or(shifts) as u8).collect();
         }
@@ -192,7 +192,7 @@ impl Cells {
         if N::ALIKE || self.levels.len() == 1 {
             return;
         }
-        let before = crossed.map(|border| place.beyond(Border { up: !border.up, ..border }));
+        let before = crossed.map(|border| place.beyond(border.other_side()));
         for (other, level) in self.levels.iter().enumerate() {
             if other < own {
                 self.visit_within(&self.levels[own], place, crossed, level, &mut visit);
@@ -283,6 +283,13 @@ impl Cells {
                 }
             }
         }
+    }
+}
+
+impl Border {
+    /// The same border, seen from the cell beyond it.
+    pub(super) fn other_side(self) -> Self {
+        Self { up: !self.up, ..self }
     }
 }
 

@@ -45,18 +45,17 @@ impl Exact {
 
     /// Whether two balls that fly through each other overlap now.
     fn overlap(&self, slot: usize, other: usize) -> bool {
-        self.overlaps.as_ref().is_some_and(|overlaps| overlaps[slot].contains(&(other as u32)))
+        self.overlaps.as_ref().is_some_and(|overlaps| overlaps[slot].binary_search(&(other as u32)).is_ok())
     }
 
     /// One ball begins to overlap another, or ceases to. Both fly on.
     pub(super) fn pass<N: Needs>(&mut self, one: usize, other: usize, now: f64) {
-        let inside = self.overlap(one, other);
         let Some(overlaps) = &mut self.overlaps else { return };
         for (slot, other) in [(one, other as u32), (other, one as u32)] {
-            if inside {
-                overlaps[slot].retain(|&overlapped| overlapped != other);
-            } else {
-                overlaps[slot].push(other);
+            // The lists are sorted.
+            match overlaps[slot].binary_search(&other) {
+                Ok(index) => drop(overlaps[slot].remove(index)),
+                Err(index) => overlaps[slot].insert(index, other),
             }
             self.marks[slot].set(Marks::HIT, true);
         }
@@ -72,61 +71,92 @@ impl Exact {
         self.calendar.write(flight.event, slot as u32);
     }
 
-    /// Walls, where the ball is in a cell at the edge, and the borders of its cell.
-    ///
-    /// All times are counted from the flight's beginning, so that they are the same whenever they are asked for. Where
-    /// the ball comes over a border now, that is `crossed`.
+    /// Walls, where the ball is in a cell at the edge, and the borders of its cell. Where it comes over a border now,
+    /// that is `crossed`.
     #[inline]
     fn ahead<N: Needs>(&self, slot: usize, now: f64, crossed: Option<Border>) -> Ahead {
-        let flight = &self.flights[slot];
-        let pull = self.pull::<N>(slot);
         let mut ahead =
             Ahead { impact: NEVER, wall: Against::NOTHING, crossing: NEVER, border: Border::default() };
         for axis in 0..2 {
-            let (at, speed, pull) = (flight.position[axis], flight.velocity[axis], pull[axis]);
             if N::GRAVITY {
-                for up in [false, true] {
-                    let border = Border { axis, up };
-                    let sign = if up { 1.0 } else { -1.0 };
-                    // A border that was crossed on the way out is behind; so is the other side of one crossed now.
-                    let other_side = crossed == Some(Border { axis, up: !up });
-                    let behind = |time: f64| time < now || (time == now && other_side);
-                    self.look::<N>(slot, border, &mut ahead, behind, |line| {
-                        flight::reach(sign * (line - at), sign * speed, sign * pull)
-                    });
-                }
-            } else if speed != 0.0 {
-                // Straight ahead there is one side alone, and none is behind.
-                let border = Border { axis, up: speed > 0.0 };
-                self.look::<N>(slot, border, &mut ahead, |_| false, |line| flight::arrive(line - at, speed));
+                self.look::<N>(slot, now, Border { axis, up: false }, crossed, &mut ahead);
+                self.look::<N>(slot, now, Border { axis, up: true }, crossed, &mut ahead);
+            } else {
+                // Straight ahead there is one side alone.
+                let up = self.flights[slot].velocity[axis] > 0.0;
+                self.look::<N>(slot, now, Border { axis, up }, crossed, &mut ahead);
             }
         }
         ahead
     }
 
-    /// Looks at one side of a ball's cell, whose line the flight reaches after `reach` seconds.
+    /// Looks at one side of a ball's cell.
     #[inline]
     fn look<N: Needs>(
         &self,
         slot: usize,
+        now: f64,
         border: Border,
+        crossed: Option<Border>,
         ahead: &mut Ahead,
-        behind: impl Fn(f64) -> bool,
-        reach: impl Fn(f64) -> f64,
     ) {
         let flight = &self.flights[slot];
         let line = self.cells.as_ref().and_then(|cells| cells.line::<N>(slot, flight.place, border));
         if let Some(line) = line {
-            let time = flight.time + reach(line);
-            if time < ahead.crossing && !behind(time) {
+            let time = self.leaves::<N>(slot, now, border, crossed, line);
+            if time < ahead.crossing {
                 (ahead.crossing, ahead.border) = (time, border);
             }
         } else if self.walls.is_some() {
             let (radius, size) = (self.matter::<N>(slot).radius, self.size[border.axis]);
-            let time = flight.time + reach(if border.up { size - radius } else { radius });
+            let wall = if border.up { size - radius } else { radius };
+            let time = flight.time + self.reach::<N>(slot, border, wall);
             if time < ahead.impact {
                 (ahead.impact, ahead.wall) = (time, Against::wall(border.axis, border.up));
             }
+        }
+    }
+
+    /// When a ball leaves its cell over a border at `line`.
+    #[inline]
+    fn leaves<N: Needs>(
+        &self,
+        slot: usize,
+        now: f64,
+        border: Border,
+        crossed: Option<Border>,
+        line: f64,
+    ) -> f64 {
+        let flight = &self.flights[slot];
+        let time = flight.time + self.reach::<N>(slot, border, line);
+        if !N::GRAVITY {
+            return time;
+        }
+        let Border { axis, up } = border;
+        let (speed, pull) = (flight.velocity[axis], self.pull::<N>(slot)[axis]);
+        let toward = |along: f64| if up { along } else { -along };
+        // What gravity slows down on its way over a line comes back over it: then the way out is behind, and so it is
+        // where it comes back now, at the top of its flight perhaps.
+        let falls = toward(speed + pull * (now - flight.time)) <= 0.0 || crossed == Some(border.other_side());
+        let behind = toward(pull) < 0.0 && falls;
+        // It is in the cell still, so that it leaves it now at the earliest, whatever the rounding.
+        if behind { NEVER } else { time.max(now) }
+    }
+
+    /// How long after its beginning a ball's flight reaches a line across an axis from within: counted from the
+    /// beginning, so that it is the same whenever it is asked for.
+    #[inline]
+    fn reach<N: Needs>(&self, slot: usize, Border { axis, up }: Border, line: f64) -> f64 {
+        let flight = &self.flights[slot];
+        let (distance, speed) = (line - flight.position[axis], flight.velocity[axis]);
+        if N::GRAVITY {
+            let pull = self.pull::<N>(slot)[axis];
+            let sign = if up { 1.0 } else { -1.0 };
+            flight::reach(sign * distance, sign * speed, sign * pull)
+        } else if speed == 0.0 {
+            NEVER
+        } else {
+            flight::arrive(distance, speed)
         }
     }
 
@@ -148,9 +178,9 @@ impl Exact {
             }
         };
         let inside = |other: usize| N::DETECT && self.overlap(slot, other);
-        let mut first = Meeting { time: flight.impact, partner: None };
+        let mut first = First { time: flight.impact, partner: None };
         let mut accelerated = Few::default();
-        let meet_accelerated = |other: usize, first: &mut Meeting| {
+        let meet_accelerated = |other: usize, first: &mut First| {
             let pull = self.pull::<N>(other) - self.pull::<N>(slot);
             // A meeting after the next impact of either of them does not count.
             let limit = first.time.min(self.flights[other].impact);
@@ -176,7 +206,7 @@ impl Exact {
         for &other in accelerated.all() {
             meet_accelerated(other, &mut first);
         }
-        if let Meeting { time, partner: Some(partner) } = first {
+        if let First { time, partner: Some(partner) } = first {
             (self.flights[slot].impact, self.flights[slot].against) = (time, Against::ball(partner));
             let other = &mut self.flights[partner];
             (other.impact, other.against) = (time, Against::ball(slot));
@@ -189,12 +219,12 @@ impl Exact {
 }
 
 /// The earliest meeting found, if it is earlier than what else will happen to a ball.
-struct Meeting {
+struct First {
     time: f64,
     partner: Option<usize>,
 }
 
-impl Meeting {
+impl First {
     /// Takes a meeting instead where it is earlier, and earlier than the partner's next impact.
     #[inline]
     fn or(&mut self, time: f64, partner: usize, impact: f64) {

@@ -3,7 +3,8 @@
 //! With restitution below 1, ever smaller hops would follow each other without end (`McNamara` & Young 1992). A ball
 //! rests on a wall that gravity presses it to when it would bounce off more slowly than the rest speed u; it slides on
 //! without friction, until an impact lifts it. Balls that hit each other more slowly than u, and within 2u/g of an
-//! impact before, lose nothing: the TC model of Luding & `McNamara` (1998).
+//! impact before, lose nothing, and neither do faster ones that have moved less than 2u²/g since: the TC model of Luding
+//! & `McNamara` (1998), in time and in length.
 
 use glam::DVec2;
 
@@ -16,13 +17,12 @@ use super::{Exact, LEAN, Needs};
 /// The part of the rest speed below which even a wall of restitution 1 holds a ball, since its hops are too many.
 const CONSERVATIVE: f64 = 0.01;
 /// The part of the rest speed that a ball bounces off one that rests with, at least, while it chatters.
-const LEAST_HOP: f64 = 0.25;
+const LEAST_HOP: f64 = 0.5;
 /// The gravity that sets the time scale of chatter where there is none, px/s².
 const EARTH: f64 = 980.0;
-/// A ball with less room than this between two walls, px, is held by both.
-const JAMMED: f64 = 1e-6;
-/// A ball that hits a wall is this near to it, px. One that is not began beyond it, and stays where it is.
-const AT_THE_WALL: f64 = 1e-6;
+/// A ball that hits a wall is as near to it as this part of the world's size. One that is not began beyond it, and
+/// stays where it is.
+const AT_THE_WALL: f64 = 1e-12;
 
 /// Two balls that touch: the position and the velocity of the one relative to the other.
 struct Meeting {
@@ -41,8 +41,8 @@ impl Meeting {
 
 /// The shares of two masses in a change of their relative velocity: each the other's over the sum.
 #[inline]
-fn shares<N: Needs>(m1: f64, m2: f64) -> (f64, f64) {
-    if N::ALIKE { (0.5, 0.5) } else { (m2 / (m1 + m2), m1 / (m1 + m2)) }
+fn shares(m1: f64, m2: f64) -> (f64, f64) {
+    (m2 / (m1 + m2), m1 / (m1 + m2))
 }
 
 impl Exact {
@@ -52,9 +52,24 @@ impl Exact {
         2.0 * self.rest_speed / if gravity > 0.0 { gravity } else { EARTH }
     }
 
-    /// Whether a ball's last impact is so recent that another is chatter.
-    fn hit_lately(&self, slot: usize, now: f64) -> bool {
-        self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter()
+    /// The approach, px/s, below which an impact is chatter, so long after a ball's last one.
+    ///
+    /// That is the rest speed, or more where the ball has hardly moved since: no more than a hop at the rest speed is
+    /// high. So a ball that is driven into a wedge is thrown back in the end, where otherwise it would hit ever more
+    /// often and never stop.
+    fn chatter_speed(&self, slot: usize, now: f64) -> f64 {
+        let since = now - self.flights[slot].time;
+        if self.marks[slot].has(Marks::STRUCK) && since < self.chatter() {
+            let length = (self.rest_speed * self.chatter()).min(self.chatter_length);
+            self.rest_speed.max(length / since)
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether a ball of this radius has no room between the walls across an axis.
+    pub(super) fn jams(&self, radius: f64, axis: usize) -> bool {
+        self.walls.is_some() && self.size[axis] - 2.0 * radius < AT_THE_WALL * self.size[axis]
     }
 
     /// Begins a new flight of a ball.
@@ -75,26 +90,27 @@ impl Exact {
         let (mut position, mut velocity) = self.state::<N>(slot, now);
         let Matter { radius, mass, .. } = *self.matter::<N>(slot);
         let wall = if high { self.size[axis] - radius } else { radius };
-        if (position[axis] - wall).abs() < AT_THE_WALL {
+        if (position[axis] - wall).abs() < AT_THE_WALL * self.size[axis] {
             position[axis] = wall;
         }
         let sign = if high { 1.0 } else { -1.0 };
         let before = velocity[axis];
-        let (speed, restitution) = (sign * before, self.walls.unwrap_or_default());
+        let speed = sign * before;
+        let restitution = if self.wedged() { 0.0 } else { self.walls.unwrap_or_default() };
         let pressed = N::GRAVITY && sign * self.gravity[axis] > 0.0;
-        let lately = self.hit_lately(slot, now);
+        let chatter_speed = self.chatter_speed(slot, now);
         let least = if restitution < 1.0 { self.rest_speed } else { CONSERVATIVE * self.rest_speed };
-        if self.size[axis] - 2.0 * radius < JAMMED || (pressed && restitution * speed < least) {
+        if self.jams(radius, axis) || (pressed && restitution * speed < least) {
             velocity[axis] = 0.0;
             self.marks[slot].set(Marks::rests_on(axis), true);
         } else {
-            let chatters = speed < self.rest_speed && lately;
+            let chatters = speed < chatter_speed && !self.wedged();
             velocity[axis] *= if chatters { -1.0 } else { -restitution };
         }
         tally.wall_hits += u64::from(speed > 0.0);
         tally.wall_impulse[axis] += mass * (velocity[axis] - before);
         self.set_out(slot, (position, velocity), now);
-        if pressed && !lately {
+        if pressed && chatter_speed == 0.0 {
             // So long a hop is one of its own; what is pressed to the wall by others hits it sooner.
             self.marks[slot].set(Marks::LEANS, false);
         }
@@ -105,14 +121,19 @@ impl Exact {
         let ((p1, v1), (p2, v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
         let meeting = Meeting { distance: p1 - p2, velocity: v1 - v2 };
         let (first, second) = (self.matter::<N>(one), self.matter::<N>(other));
-        let slow = meeting.slower_than(self.rest_speed);
         let leans = meeting.slower_than(LEAN * self.rest_speed);
-        let chatters = slow && (self.hit_lately(one, now) || self.hit_lately(other, now));
-        let e = if chatters { 1.0 } else { first.restitution.min(second.restitution) };
-        let (c1, c2) = if N::GRAVITY && (self.marks[one].rests() | self.marks[other].rests()) != 0 {
-            self.hit_held(one, other, &meeting, (first.mass, second.mass), e)
+        let restitution = if self.wedged() { 0.0 } else { first.restitution.min(second.restitution) };
+        let chatters =
+            || meeting.slower_than(self.chatter_speed(one, now).max(self.chatter_speed(other, now)));
+        let e = if restitution < 1.0 && !self.wedged() && chatters() { 1.0 } else { restitution };
+        let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
+        let (c1, c2) = if !N::GRAVITY || (rests1 | rests2) == 0 {
+            let shares = if N::ALIKE { (0.5, 0.5) } else { shares(first.mass, second.mass) };
+            exact_impact(meeting.distance, meeting.velocity, shares, e)
+        } else if self.pulls[rests1] == self.pulls[rests2] {
+            self.hit_held(one, other, &meeting, (first, second), e)
         } else {
-            exact_impact(meeting.distance, meeting.velocity, shares::<N>(first.mass, second.mass), e)
+            self.hit_held(one, other, &self.hop(&meeting, restitution), (first, second), restitution)
         };
         for (slot, position, velocity, change) in [(one, p1, v1, c1), (other, p2, v2, c2)] {
             let marks = &mut self.marks[slot];
@@ -138,25 +159,37 @@ impl Exact {
         one: usize,
         other: usize,
         &Meeting { distance, velocity }: &Meeting,
-        (m1, m2): (f64, f64),
+        (first, second): (&Matter, &Matter),
         e: f64,
     ) -> (DVec2, DVec2) {
-        let free = exact_impact(distance, velocity, (m2 / (m1 + m2), m1 / (m1 + m2)), e);
-        let yields = (self.gives(one, free.0) / m1, self.gives(other, free.1) / m2);
-        let length = distance.length().max(f64::MIN_POSITIVE);
-        let approach = -velocity.dot(distance) / length;
-        let hop = LEAST_HOP * self.rest_speed;
-        if self.marks[one].rests() != self.marks[other].rests() && e * approach < hop {
-            // At rest on one that rests: hop, or gravity would close the contact again at once, for ever.
-            let more = -(approach.max(0.0) + hop) / length;
-            return held_impact(distance, distance * more, yields, 0.0);
-        }
+        let free = exact_impact(distance, velocity, shares(first.mass, second.mass), e);
+        let yields =
+            (self.gives(one, first, free.0) / first.mass, self.gives(other, second, free.1) / second.mass);
         held_impact(distance, velocity, yields, e)
     }
 
+    /// A meeting of a ball with one that rests as it counts: so fast that they part by a hop at least, or gravity would
+    /// close the contact again at once, for ever.
+    fn hop(&self, meeting: &Meeting, e: f64) -> Meeting {
+        let Meeting { distance, velocity } = *meeting;
+        let least = LEAST_HOP * self.rest_speed * if e < 1.0 { 1.0 } else { CONSERVATIVE };
+        let length = distance.length().max(f64::MIN_POSITIVE);
+        let approach = -velocity.dot(distance) / length;
+        // The impact will change the velocity by (1 + e) times the approach.
+        let faster = (approach.max(0.0) + least) / (1.0 + e);
+        if e * approach < least {
+            Meeting { distance, velocity: distance * (-faster / length) }
+        } else {
+            Meeting { distance, velocity }
+        }
+    }
+
     /// Along which axes a ball can take a change of velocity: 0 where it would be pressed into the wall it rests on.
-    fn gives(&self, slot: usize, change: DVec2) -> DVec2 {
+    fn gives(&self, slot: usize, matter: &Matter, change: DVec2) -> DVec2 {
         let gives = |axis: usize| {
+            if self.jams(matter.radius, axis) {
+                return 0.0;
+            }
             let into = change[axis] * self.gravity[axis].signum();
             let held = self.marks[slot].has(Marks::rests_on(axis)) && into >= 0.0;
             if held && self.walls.unwrap_or_default() * into < self.rest_speed { 0.0 } else { 1.0 }

@@ -42,6 +42,10 @@ pub(super) struct Exact {
     size: DVec2,
     walls: Option<f64>,
     rest_speed: f64,
+    /// What balls have moved at most between two hits that are chatter, px, whatever the rest speed.
+    chatter_length: f64,
+    /// Whether balls may rest on walls, or be held between them.
+    holds: bool,
     /// Which ball is in each slot.
     ids: Vec<u32>,
     flights: Vec<Flight>,
@@ -60,13 +64,26 @@ pub(super) struct Exact {
     span: f64,
     /// Events of balls in this year: impacts count twice.
     hits: usize,
-    begun: bool,
+    /// Balls of which it is known what comes next: less than all at the very beginning alone.
+    begun: usize,
+    /// When the events began that came since at one time, as good as, s since the year began, and how many they are.
+    instant: f64,
+    at_once: u32,
+    /// Events taken since the caller's watch was looked at.
+    unwatched: u32,
 }
 
 /// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
 const HITS_PER_YEAR: f64 = 1.0;
 /// A year is made for this many balls at least.
 const FEWEST: usize = 64;
+/// Times no farther apart than this, s, are one: a frame's time is not known better.
+const INSTANT: f64 = 1.0 / (1_u64 << 46) as f64;
+/// Events at one time, above which balls have no room to move at all: hits that would go on for ever take all their
+/// speed then. Galperin's billiard with a mass ratio of 10¹⁶ has a thousandth of this.
+const MOST_AT_ONCE: u32 = 1 << 20;
+/// What balls move at most between two hits that are chatter, as a part of the smallest radius.
+const CHATTER_LENGTH: f64 = 1e-3;
 /// A ball that hit another more slowly than so many times the rest speed leans on it, for as long as so many hops at
 /// the rest speed: what lies on others is shown as touching them between its hops, too.
 const LEAN: f64 = 8.0;
@@ -77,7 +94,7 @@ const EVENTS_PER_LOOK: u32 = 256;
 
 /// What a simulation needs of the solver, decided when that is made: code for the rest is not even compiled in.
 trait Needs {
-    /// Balls are accelerated.
+    /// Balls are accelerated, and may rest on walls or be held between them.
     const GRAVITY: bool;
     /// All balls have one radius, mass and restitution.
     const ALIKE: bool;
@@ -114,7 +131,9 @@ impl Exact {
             }),
             size: world.size,
             walls: world.walls,
-            rest_speed,
+            rest_speed: rest_speed.min(most_rest_speed(gravity, &radii)),
+            chatter_length: CHATTER_LENGTH * radii.iter().copied().fold(f64::INFINITY, f64::min),
+            holds: gravity != DVec2::ZERO,
             ids: (0..balls.len() as u32).collect(),
             flights: Vec::new(),
             marks: vec![Marks::default(); balls.len()],
@@ -126,7 +145,10 @@ impl Exact {
             origin: Clock::default(),
             span: first_span(world, balls),
             hits: 0,
-            begun: false,
+            begun: 0,
+            instant: 0.0,
+            at_once: 0,
+            unwatched: 0,
         };
         if several && world.pairs.is_some() {
             let cells = Cells::new(world, &radii);
@@ -138,6 +160,13 @@ impl Exact {
         exact.matter = exact.in_order(balls).map(Matter::of).collect();
         if exact.overlaps.is_none() && exact.matter.iter().all(|matter| *matter == exact.matter[0]) {
             exact.matter.truncate(1);
+        }
+        for (slot, &id) in exact.ids.iter().enumerate() {
+            for axis in 0..2 {
+                let jams = exact.jams(balls[id as usize].radius, axis);
+                exact.marks[slot].set(Marks::rests_on(axis), jams);
+                exact.holds |= jams;
+            }
         }
         exact
     }
@@ -170,8 +199,33 @@ impl Exact {
     }
 
     /// Finds out what comes next for each ball, at the very beginning.
-    fn begin<N: Needs>(&mut self, balls: &[Ball]) {
-        self.begun = true;
+    /// Whether that is done: a crowd at one place takes long, and may be gone on with later.
+    fn begin<N: Needs>(&mut self, balls: &[Ball], go_on: &mut dyn FnMut() -> bool) -> bool {
+        if self.begun == 0 {
+            self.place_all(balls);
+        }
+        while self.begun < self.flights.len() {
+            if !self.has_time(go_on) {
+                return false;
+            }
+            self.foresee::<N>(self.begun, 0.0);
+            self.begun += 1;
+        }
+        true
+    }
+
+    /// Whether the caller's watch says so; it is looked at now and then.
+    fn has_time(&mut self, go_on: &mut dyn FnMut() -> bool) -> bool {
+        self.unwatched += 1;
+        if self.unwatched < EVENTS_PER_LOOK {
+            return true;
+        }
+        self.unwatched = 0;
+        go_on()
+    }
+
+    /// Puts all balls into their cells, and finds out which overlap from the beginning.
+    fn place_all(&mut self, balls: &[Ball]) {
         self.calendar.begin(self.span);
         if let Some(cells) = &mut self.cells {
             for (slot, flight) in self.flights.iter_mut().enumerate() {
@@ -185,8 +239,10 @@ impl Exact {
                 overlaps[i as usize].push(j);
                 overlaps[j as usize].push(i);
             });
+            for others in overlaps {
+                others.sort_unstable();
+            }
         }
-        (0..self.flights.len()).for_each(|slot| self.foresee::<N>(slot, 0.0));
     }
 
     /// Moves on to `target`, or as far as the caller's watch allows; where it got.
@@ -196,14 +252,16 @@ impl Exact {
         target: Clock,
         go_on: &mut dyn FnMut() -> bool,
     ) -> Clock {
-        if !self.begun {
-            self.begin::<N>(frame.balls);
+        if !self.begin::<N>(frame.balls, go_on) {
+            return self.clock;
         }
         loop {
             match self.take_events::<N>(frame.tally, target.shown_since(self.origin), go_on) {
                 None => return target,
                 Some(Pause::NewYear(time)) => self.begin_year(time),
-                Some(Pause::Stopped(time)) => return self.origin.shown_before(time).max(self.clock),
+                Some(Pause::Stopped(time)) => {
+                    return self.origin.shown_before(time).min(target).max(self.clock);
+                }
             }
         }
     }
@@ -215,12 +273,10 @@ impl Exact {
         until: f64,
         go_on: &mut dyn FnMut() -> bool,
     ) -> Option<Pause> {
-        let mut events = 0;
         loop {
             while let Some(entry) = self.calendar.next(until) {
-                events += 1;
-                if events % EVENTS_PER_LOOK == 0 && !go_on() {
-                    self.calendar.write(entry.time, entry.ball);
+                if !self.has_time(go_on) {
+                    self.calendar.put_back(entry);
                     return Some(Pause::Stopped(entry.time));
                 }
                 self.take::<N>(tally, entry);
@@ -244,6 +300,10 @@ impl Exact {
     #[inline]
     fn take<N: Needs>(&mut self, tally: &mut Tally, entry: Entry) {
         let (slot, now) = (entry.ball as usize, entry.time);
+        if now > self.instant + INSTANT {
+            (self.instant, self.at_once) = (now, 0);
+        }
+        self.at_once += 1;
         let flight = &self.flights[slot];
         if flight.event != now {
             return;
@@ -290,6 +350,7 @@ impl Exact {
             self.span *= 2.0;
         }
         self.hits = 0;
+        self.instant -= time;
         self.calendar.begin(self.span);
         for (slot, flight) in self.flights.iter_mut().enumerate() {
             flight.time -= time;
@@ -314,6 +375,11 @@ impl Exact {
         }
     }
 
+    /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.
+    fn wedged(&self) -> bool {
+        self.at_once > MOST_AT_ONCE
+    }
+
     fn advance_as<N: Needs>(
         &mut self,
         frame: &mut Frame<'_>,
@@ -323,6 +389,13 @@ impl Exact {
         self.clock = self.go::<N>(frame, target, go_on);
         self.show::<N>(frame);
     }
+}
+
+/// The rest speed above which hops that are seen would be left out, px/s: they are as high as a hundredth of the smallest
+/// radius. Where gravity is weak, or balls are tiny, it is less than what was asked for.
+fn most_rest_speed(gravity: DVec2, radii: &[f64]) -> f64 {
+    let smallest = radii.iter().copied().fold(f64::INFINITY, f64::min);
+    if gravity == DVec2::ZERO { f64::INFINITY } else { (2.0 * gravity.length() * 0.01 * smallest).sqrt() }
 }
 
 /// The length of the first year, s: about the time between two impacts of a ball.
@@ -340,7 +413,7 @@ fn first_span(world: &World, balls: &[Ball]) -> f64 {
 impl Advance for Exact {
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
         let (from, target) = (self.clock, self.clock.after(seconds));
-        match (self.gravity != DVec2::ZERO, self.alike(), self.overlaps.is_some()) {
+        match (self.holds, self.alike(), self.overlaps.is_some()) {
             (false, false, false) => self.advance_as::<Need<false, false, false>>(frame, target, go_on),
             (false, true, false) => self.advance_as::<Need<false, true, false>>(frame, target, go_on),
             (true, false, false) => self.advance_as::<Need<true, false, false>>(frame, target, go_on),

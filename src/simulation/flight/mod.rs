@@ -61,6 +61,9 @@ pub(super) fn arrive(distance: f64, velocity: f64) -> f64 {
 /// Rounding of the relative distance and velocity, as a fraction of the sizes they were computed from.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// A speed beside which smaller ones are none, px/s: halving it on and on ends in numbers that cannot be halved.
+const SLOWEST: f64 = 1e-100;
+
 /// Two balls as one sees the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pair {
@@ -113,7 +116,7 @@ impl Pair {
 
     /// Whether the scalar product `b` of distance and velocity is an approach, not the rounding of none.
     fn approaches(&self, b: f64) -> bool {
-        let speed = self.own.length() + (self.own + self.velocity).length();
+        let speed = self.own.length() + (self.own + self.velocity).length() + SLOWEST;
         b < -ROUNDING * speed * self.distance.length()
     }
 }
