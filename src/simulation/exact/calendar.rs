@@ -7,6 +7,8 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
+use super::FEWEST;
+
 /// Something will happen to a ball at a time, s since the year began.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Entry {
@@ -75,7 +77,7 @@ impl Calendar {
             days: vec![Vec::new(); days(balls)],
             opened: 0,
             written: 0,
-            most: MOST_WRITTEN * balls.max(64),
+            most: MOST_WRITTEN * balls.max(FEWEST),
             today: Vec::new(),
             late: BinaryHeap::new(),
         }

@@ -94,27 +94,37 @@ impl Exact {
             position[axis] = wall;
         }
         let sign = if high { 1.0 } else { -1.0 };
-        let before = velocity[axis];
-        let speed = sign * before;
-        let restitution = if self.wedged() { 0.0 } else { self.walls.unwrap_or_default() };
+        let (before, speed) = (velocity[axis], sign * velocity[axis]);
         let pressed = N::GRAVITY && sign * self.gravity[axis] > 0.0;
         let chatter_speed = self.chatter_speed(slot, now);
-        let least = if restitution < 1.0 { self.rest_speed } else { CONSERVATIVE * self.rest_speed };
-        if self.jams(radius, axis) || (pressed && restitution * speed < least) {
-            velocity[axis] = 0.0;
-            self.marks[slot].set(Marks::rests_on(axis), true);
-        } else {
-            let chatters = speed < chatter_speed && !self.wedged();
-            velocity[axis] *= if chatters { -1.0 } else { -restitution };
-        }
+        let rests = self.jams(radius, axis) || (pressed && self.too_slow(speed));
+        velocity[axis] = if rests { 0.0 } else { -before * self.wall_restitution(speed < chatter_speed) };
         tally.wall_hits += u64::from(speed > 0.0);
         tally.wall_impulse[axis] += mass * (velocity[axis] - before);
         self.set_out(slot, (position, velocity), now);
+        let marks = &mut self.marks[slot];
+        marks.set(Marks::rests_on(axis), rests);
         if pressed && chatter_speed == 0.0 {
             // So long a hop is one of its own; what is pressed to the wall by others hits it sooner.
-            self.marks[slot].set(Marks::LEANS, false);
+            marks.set(Marks::LEANS, false);
         }
         self.foresee::<N>(slot, now);
+    }
+
+    /// Whether a ball that hits a wall at this speed, px/s, where gravity presses it, stays there.
+    fn too_slow(&self, speed: f64) -> bool {
+        let restitution = self.wall_restitution(false);
+        let least = if restitution < 1.0 { self.rest_speed } else { CONSERVATIVE * self.rest_speed };
+        restitution * speed < least
+    }
+
+    /// The part of its speed that a wall gives back.
+    fn wall_restitution(&self, chatters: bool) -> f64 {
+        match self.walls {
+            Some(_) if self.wedged() => 0.0,
+            Some(_) if chatters => 1.0,
+            restitution => restitution.unwrap_or_default(),
+        }
     }
 
     pub(super) fn collide<N: Needs>(&mut self, tally: &mut Tally, one: usize, other: usize, now: f64) {
@@ -123,9 +133,9 @@ impl Exact {
         let (first, second) = (self.matter::<N>(one), self.matter::<N>(other));
         let leans = meeting.slower_than(LEAN * self.rest_speed);
         let restitution = if self.wedged() { 0.0 } else { first.restitution.min(second.restitution) };
-        let chatters =
-            || meeting.slower_than(self.chatter_speed(one, now).max(self.chatter_speed(other, now)));
-        let e = if restitution < 1.0 && !self.wedged() && chatters() { 1.0 } else { restitution };
+        let chatter_speed = || self.chatter_speed(one, now).max(self.chatter_speed(other, now));
+        let may_chatter = restitution < 1.0 && !self.wedged();
+        let e = if may_chatter && meeting.slower_than(chatter_speed()) { 1.0 } else { restitution };
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
         let (c1, c2) = if !N::GRAVITY || (rests1 | rests2) == 0 {
             let shares = if N::ALIKE { (0.5, 0.5) } else { shares(first.mass, second.mass) };

@@ -153,6 +153,7 @@ impl Exact {
         if several && world.pairs.is_some() {
             let cells = Cells::new(world, &radii);
             exact.ids.sort_by_cached_key(|&id| cells.order(id as usize, balls[id as usize].position));
+            // Anew, since the balls have another order now.
             let radii: Vec<f64> = exact.in_order(balls).map(|ball| ball.radius).collect();
             exact.cells = Some(Cells::new(world, &radii));
         }
