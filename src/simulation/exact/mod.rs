@@ -68,7 +68,7 @@ pub(super) struct Exact {
     begun: usize,
     /// When the events began that came since at one time, as good as, s since the year began, and how many they are.
     instant: f64,
-    at_once: u32,
+    at_once: usize,
     /// Events taken since the caller's watch was looked at.
     unwatched: u32,
 }
@@ -79,9 +79,9 @@ const HITS_PER_YEAR: f64 = 1.0;
 const FEWEST: usize = 64;
 /// Times no farther apart than this, s, are one: a frame's time is not known better.
 const INSTANT: f64 = 1.0 / (1_u64 << 46) as f64;
-/// Events at one time, above which balls have no room to move at all: hits that would go on for ever take all their
-/// speed then. Galperin's billiard with a mass ratio of 10¹⁶ has a thousandth of this.
-const MOST_AT_ONCE: u32 = 1 << 20;
+/// Events at one time, in all and for each ball, above which balls have no room to move at all: hits that would go on for
+/// ever take all their speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
+const MOST_AT_ONCE: (usize, usize) = (1 << 20, 64);
 /// What balls move at most between two hits that are chatter, as a part of the smallest radius.
 const CHATTER_LENGTH: f64 = 1e-3;
 /// A ball that hit another more slowly than so many times the rest speed leans on it, for as long as so many hops at
@@ -378,7 +378,7 @@ impl Exact {
 
     /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.
     fn wedged(&self) -> bool {
-        self.at_once > MOST_AT_ONCE
+        self.at_once > MOST_AT_ONCE.0.max(MOST_AT_ONCE.1 * self.flights.len())
     }
 
     fn advance_as<N: Needs>(
