@@ -15,6 +15,8 @@ use super::{BACKGROUND, BALL, CONTACT, Colour};
 
 /// Steps between two colours at an antialiased edge.
 const EDGE_STEPS: u8 = 16;
+/// Steps between all three colours.
+const MEETING_STEPS: u8 = 16;
 /// The index of the colour that leaves a pixel as it was.
 const UNCHANGED: u8 = 0;
 /// The least time that a frame is shown, in hundredths of a second.
@@ -146,7 +148,8 @@ impl<W: Write> Animation<W> {
     }
 }
 
-/// The colours of an animation: the three of a picture, exactly, and steps between each two.
+/// The colours of an animation: the three of a picture, exactly, steps between each two, and between all three, for
+/// where the edges of two balls meet.
 struct Palette {
     /// Index 0 is [`UNCHANGED`], whose colour is never seen.
     colours: Vec<Colour>,
@@ -160,6 +163,12 @@ impl Palette {
         for (from, to) in [(BACKGROUND, BALL), (BACKGROUND, CONTACT), (BALL, CONTACT)] {
             let part = |step| f64::from(step) / f64::from(EDGE_STEPS);
             colours.extend((1..EDGE_STEPS).map(|step| from.towards(to, part(step))));
+        }
+        let part = |step| f64::from(step) / f64::from(MEETING_STEPS);
+        for ball in 1..MEETING_STEPS {
+            // As much of this as is left when there is some background.
+            let edge = |contact| BACKGROUND.towards(CONTACT, part(contact) / (1.0 - part(ball)));
+            colours.extend((1..MEETING_STEPS - ball).map(|contact| edge(contact).towards(BALL, part(ball))));
         }
         let centre = |bits: usize| (bits & 31) as i32 * 8 + 4;
         let nearest = (0..1 << 15).map(|bits: usize| {
