@@ -157,7 +157,7 @@ impl Simulation {
     /// The same simulation with another rest speed u, px/s. [`Solver::Exact`] lays a ball to rest on a wall where it
     /// would bounce off more slowly, lets what leans on a ball at rest hop off at u/2 at least, and takes no energy from
     /// balls that chatter: that hit each other more slowly than u, and within 2u/g of an impact before, or faster but
-    /// within 2u²/g of the place of that. The other solvers do not know it. It starts at [`DEFAULT_REST_SPEED`].
+    /// within 2u²/1000g of the place of that. The other solvers do not know it. It starts at [`DEFAULT_REST_SPEED`].
     ///
     /// A smaller one follows more, and smaller, bounces: the hops that are left out are up to u²/2g high, a ball that
     /// bounces to rest does so up to 2u/g/(1 − e) seconds too early, and hops of all balls together add ½Mu²/4 to the

@@ -3,8 +3,8 @@
 //! With restitution below 1, ever smaller hops would follow each other without end (`McNamara` & Young 1992). A ball
 //! rests on a wall that gravity presses it to when it would bounce off more slowly than the rest speed u; it slides on
 //! without friction, until an impact lifts it. Balls that hit each other more slowly than u, and within 2u/g of an
-//! impact before, lose nothing, and neither do faster ones that have moved less than 2u²/g since: the TC model of Luding
-//! & `McNamara` (1998), in time and in length.
+//! impact before, lose nothing, and neither do faster ones that have moved less than a thousandth of 2u²/g since: the TC
+//! model of Luding & `McNamara` (1998), in time and in length.
 
 use glam::DVec2;
 
@@ -18,6 +18,9 @@ use super::{Exact, LEAN, Needs};
 const CONSERVATIVE: f64 = 0.01;
 /// The part of the rest speed that a ball bounces off one that rests with, at least, while it chatters.
 const LEAST_HOP: f64 = 0.5;
+/// What a ball moves between two fast hits that are chatter, as a part of what it moves between two slow ones. So little
+/// that no other impact is taken for chatter, and it need not be more: a ball in a wedge gets there in a few hits.
+const BARELY: f64 = 1e-3;
 /// The gravity that sets the time scale of chatter where there is none, px/s².
 const EARTH: f64 = 980.0;
 /// A ball that hits a wall is as near to it as this part of the world's size. One that is not began beyond it, and
@@ -54,13 +57,12 @@ impl Exact {
 
     /// The approach, px/s, below which an impact is chatter, so long after a ball's last one.
     ///
-    /// That is the rest speed, or more where the ball has hardly moved since: no more than a hop at the rest speed is
-    /// high. So a ball that is driven into a wedge is thrown back in the end, where otherwise it would hit ever more
+    /// That is the rest speed, or more where the ball has hardly moved since. So a ball that is driven into a wedge is thrown back in the end, where otherwise it would hit ever more
     /// often and never stop.
     fn chatter_speed(&self, slot: usize, now: f64) -> f64 {
         let since = now - self.flights[slot].time;
         if self.marks[slot].has(Marks::STRUCK) && since < self.chatter() {
-            let length = (self.rest_speed * self.chatter()).min(self.chatter_length);
+            let length = (BARELY * self.rest_speed * self.chatter()).min(self.chatter_length);
             self.rest_speed.max(length / since)
         } else {
             0.0
