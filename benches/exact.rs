@@ -38,7 +38,7 @@ fn gas(count: usize, eta: f64) -> Simulation {
 
 /// What is advanced at once, s: so long that showing the balls, which is the frames' cost and not the impacts', hardly
 /// counts.
-const STEP: f64 = 0.5;
+const STEP: f64 = 0.05;
 
 /// Advances until there have been so many impacts more; impacts a second.
 fn rate(simulation: &mut Simulation, impacts: u64) -> f64 {
