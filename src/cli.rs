@@ -54,7 +54,7 @@ pub enum Command {
 /// What starts a scene, with a window and without.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// How balls are moved on: canvas or exact [default: the scene's own]
+    /// How balls are moved on: canvas, exact or contact [default: the scene's own]
     #[arg(long)]
     pub solver: Option<Solver>,
     /// Add N random balls

@@ -1,4 +1,5 @@
-//! Bouncing balls: a JavaScript canvas physics demo, native and bit for bit, and an event-driven solver that is exact.
+//! Bouncing balls: a JavaScript canvas physics demo, native and bit for bit, an event-driven solver that is exact, and one
+//! with substeps that holds piles.
 //!
 //! The folders are the story of a frame. A [`scene`] file becomes a [`Simulation`]; the simulation is advanced by a
 //! measured delta; what it holds is painted ([`paint`]); the picture is shown in a window, or written by [`headless`].

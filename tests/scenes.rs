@@ -102,7 +102,11 @@ const WRONG: &[(&str, usize, &str)] = &[
     ("gravity = [0, nan]", 1, "gravity is NaN px/s²; it must be from -1e9 to 1e9 px/s²"),
     ("size = [0, 720]", 1, "size is 0 px; it must be from 1 to 1e6 px"),
     ("size = [1280.5, 720]", 1, "write whole numbers of px"),
-    ("solver = \"magic\"", 1, "there is no solver \"magic\" in this version; choose from: canvas, exact"),
+    (
+        "solver = \"magic\"",
+        1,
+        "there is no solver \"magic\" in this version; choose from: canvas, exact, contact",
+    ),
     ("\n[walls]\nrestitution = 1.5", 3, "restitution is 1.5; it must be from 0 to 1"),
     ("[walls]\nbounce = 1", 2, "unknown field `bounce`, expected `restitution`"),
     ("walls = true", 1, "expected a table: [walls]"),

@@ -303,6 +303,7 @@ fn keys_add_and_remove_balls_and_go_through_the_scenes() {
         ("Tab", "two · canvas · 2 balls"),
         ("shift+Tab", "move"),
         ("8", "gravity · exact · 15 balls"),
+        ("s", "gravity · contact · 15 balls"),
         ("s", "gravity · canvas · 15 balls"),
         ("s", "gravity · exact · 15 balls"),
         ("bracketleft", "speed 1/2"),

@@ -29,6 +29,24 @@ pub struct Grid {
     touching: Vec<(u32, u32)>,
 }
 
+/// What a grid needs to know of what it sorts.
+pub(super) trait Disc {
+    /// The centre, px.
+    fn centre(&self) -> DVec2;
+    /// The radius, px.
+    fn radius(&self) -> f64;
+}
+
+impl Disc for Ball {
+    fn centre(&self) -> DVec2 {
+        self.position
+    }
+
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+}
+
 /// What the comparison needs of a ball, side by side in the order of the cells.
 #[derive(Debug, Clone, Copy, Default)]
 struct Entry {
@@ -48,7 +66,7 @@ const FAR: f64 = (1_u64 << 40) as f64;
 const ROUND_TO_BITS: f64 = 1.5 * (1_u64 << 52) as f64;
 /// Cells on an axis are doubled fewer times than this: their product, before it is cut to the number of balls, still
 /// fits in 32 bits.
-const MOST_DOUBLINGS: u32 = 15;
+const MOST_DOUBLINGS: usize = 14;
 /// The fewest cells on an axis: with four, a cell's neighbours on both sides are different cells.
 const FEWEST: usize = 4;
 /// Marks a ball that is kept out of the cells.
@@ -59,24 +77,26 @@ impl Grid {
     /// other balls.
     #[must_use]
     pub fn new(balls: &[Ball], size: DVec2) -> Self {
-        let reach = reach(balls);
-        let least = 2.0 * MARGIN * reach;
-        // The cells of an axis that its length has room for, and their width.
+        Self::for_discs(balls, size)
+    }
+
+    /// The same for discs of any kind.
+    pub(super) fn for_discs(discs: &[impl Disc], size: DVec2) -> Self {
+        let reach = reach(discs);
+        let width = 2.0 * MARGIN * reach;
+        // The cells that an axis takes, up to the next power of two.
         let axis = |length: f64| {
-            let count = (1..MOST_DOUBLINGS)
-                .map(|power| 2_usize << power)
-                .take_while(|&count| count as f64 * least <= length);
-            let count = count.last().unwrap_or(FEWEST);
-            (count, (length / count as f64).max(least))
+            let counts = std::iter::successors(Some(FEWEST), |count| Some(2 * count)).take(MOST_DOUBLINGS);
+            counts.take_while(|&count| (count / 2) as f64 * width < length).last().unwrap_or(FEWEST)
         };
-        let ((mut columns, width), (mut rows, height)) = (axis(size.x), axis(size.y));
+        let (mut columns, mut rows) = (axis(size.x), axis(size.y));
         // About two cells a ball are enough: in a wide world the torus goes round more than once.
-        let most = (2 * balls.len()).max(FEWEST * FEWEST);
+        let most = (2 * discs.len()).max(FEWEST * FEWEST);
         while columns * rows > most {
             if columns > rows { columns /= 2 } else { rows /= 2 }
         }
         Self {
-            density: DVec2::new(width, height).recip(),
+            density: DVec2::splat(width.recip()),
             columns,
             rows,
             reach,
@@ -99,10 +119,47 @@ impl Grid {
     }
 
     /// Calls `contact` with each pair (i, j), i < j, that touches, in no particular order, and keeps none of them.
-    pub fn for_each(&mut self, balls: &[Ball], mut contact: impl FnMut(u32, u32)) {
-        self.sort_into_cells(balls);
+    pub fn for_each(&mut self, balls: &[Ball], contact: impl FnMut(u32, u32)) {
+        self.for_each_disc(balls, contact);
+    }
+
+    /// The same for discs of any kind.
+    pub(super) fn for_each_disc(&mut self, discs: &[impl Disc], mut contact: impl FnMut(u32, u32)) {
+        self.sort_into_cells(discs);
         self.compare_neighbours(&mut contact);
         self.compare_large(&mut contact);
+    }
+
+    /// Puts each pair of `discs` that touches into `pairs`, in no particular order.
+    pub(super) fn collect<P: Copy>(
+        &mut self,
+        discs: &[impl Disc],
+        pairs: &mut Vec<P>,
+        pair: impl Fn(u32, u32) -> P,
+    ) {
+        self.sort_into_cells(discs);
+        pairs.clear();
+        let mut found = 0;
+        self.neighbours(&mut |ball: &Entry, others: &[Entry]| {
+            // Each is written, and the next writes over it where it did not touch: no branch that cannot be foreseen.
+            pairs.resize(pairs.len().max(found + others.len()), pair(0, 0));
+            for other in others {
+                pairs[found] = pair(ball.index.min(other.index), ball.index.max(other.index));
+                found += usize::from(touch(ball.position, ball.radius, other.position, other.radius));
+            }
+        });
+        pairs.truncate(found);
+        self.compare_large(&mut |first, second| pairs.push(pair(first, second)));
+    }
+
+    /// Whether the last search compared more discs that are too large for the cells than it has discs in cells.
+    pub(super) fn misfits(&self) -> bool {
+        self.large.len().pow(2) / 2 > self.sorted.len() + self.large.len()
+    }
+
+    /// The order in which the discs of the last search stand in the cells, row by row, and behind them those too large.
+    pub(super) fn order(&self) -> impl Iterator<Item = u32> {
+        self.sorted.iter().chain(&self.large).map(|entry| entry.index)
     }
 
     /// Brings the pairs found into the order in which a loop over i and j > i meets them.
@@ -119,19 +176,19 @@ impl Grid {
     }
 
     /// A counting sort of the balls by cell, those too large for the cells apart.
-    fn sort_into_cells(&mut self, balls: &[Ball]) {
+    pub(super) fn sort_into_cells(&mut self, discs: &[impl Disc]) {
         self.starts.clear();
         self.starts.resize(self.columns * self.rows + 1, 0);
         self.cell_of.clear();
         self.large.clear();
-        for (index, ball) in balls.iter().enumerate() {
-            if ball.radius > self.reach {
+        for (index, disc) in discs.iter().enumerate() {
+            if disc.radius() > self.reach {
                 self.cell_of.push(NO_CELL);
-                self.large.push(Entry::new(index, ball));
+                self.large.push(Entry::new(index, disc));
                 continue;
             }
-            let column = wrap(ball.position.x * self.density.x, self.columns);
-            let row = wrap(ball.position.y * self.density.y, self.rows);
+            let centre = disc.centre() * self.density;
+            let (column, row) = (wrap(centre.x, self.columns), wrap(centre.y, self.rows));
             let cell = row * self.columns + column;
             self.starts[cell] += 1;
             self.cell_of.push(cell as u32);
@@ -143,11 +200,11 @@ impl Grid {
             *start = end;
         }
         self.sorted.resize(end as usize, Entry::default());
-        for (index, (ball, &cell)) in balls.iter().zip(&self.cell_of).enumerate().rev() {
+        for (index, (disc, &cell)) in discs.iter().zip(&self.cell_of).enumerate().rev() {
             if cell != NO_CELL {
                 let start = &mut self.starts[cell as usize];
                 *start -= 1;
-                self.sorted[*start as usize] = Entry::new(index, ball);
+                self.sorted[*start as usize] = Entry::new(index, disc);
             }
         }
     }
@@ -155,6 +212,12 @@ impl Grid {
     /// Compares each ball in a cell with those after it there, and with those of the cells east, south-west, south
     /// and south-east: each pair of neighbouring cells is visited once.
     fn compare_neighbours(&self, contact: &mut impl FnMut(u32, u32)) {
+        self.neighbours(&mut |ball, others| compare(ball, others, contact));
+    }
+
+    /// Calls `visit` with each ball in a cell and those that it is to be compared with, in groups.
+    #[inline]
+    fn neighbours(&self, visit: &mut impl FnMut(&Entry, &[Entry])) {
         let Self { columns, rows, starts, sorted, .. } = self;
         let (last_column, last_row) = (*columns - 1, *rows - 1);
         let range = |first: usize, last: usize| starts[first] as usize..starts[last + 1] as usize;
@@ -181,11 +244,11 @@ impl Grid {
                 };
                 for at in own {
                     let ball = &sorted[at];
-                    compare(ball, &sorted[at + 1..east.end], contact);
-                    compare(ball, &sorted[below.clone()], contact);
+                    visit(ball, &sorted[at + 1..east.end]);
+                    visit(ball, &sorted[below.clone()]);
                     if !(seam_east.is_empty() && seam_below.is_empty()) {
-                        compare(ball, &sorted[seam_east.clone()], contact);
-                        compare(ball, &sorted[seam_below.clone()], contact);
+                        visit(ball, &sorted[seam_east.clone()]);
+                        visit(ball, &sorted[seam_below.clone()]);
                     }
                 }
             }
@@ -211,15 +274,15 @@ impl Grid {
 }
 
 impl Entry {
-    fn new(index: usize, ball: &Ball) -> Self {
-        Self { position: ball.position, radius: ball.radius, index: index as u32 }
+    fn new(index: usize, disc: &impl Disc) -> Self {
+        Self { position: disc.centre(), radius: disc.radius(), index: index as u32 }
     }
 }
 
 /// The radius that the cells are made for: the one with the fewest comparisons, where those of the balls in cells grow
 /// with the cells' area over that of the balls, and those of the larger balls among each other with their square.
-fn reach(balls: &[Ball]) -> f64 {
-    let mut radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+fn reach(discs: &[impl Disc]) -> f64 {
+    let mut radii: Vec<f64> = discs.iter().map(Disc::radius).collect();
     radii.sort_unstable_by(f64::total_cmp);
     let (Some(&smallest), Some(&largest)) = (radii.first(), radii.last()) else { return 1.0 };
     let comparisons = |reach: f64| {

@@ -5,6 +5,8 @@
 
 mod ball;
 mod canvas;
+mod clock;
+mod contact;
 mod exact;
 mod flight;
 pub mod grid;
@@ -20,6 +22,7 @@ use glam::DVec2;
 
 pub use ball::Ball;
 use canvas::Canvas;
+use contact::Contact;
 use exact::Exact;
 use grid::Grid;
 use limits::{DEFAULT_REST_SPEED, DELTA, MAX_BALLS, OutOfRange, REST_SPEED};
@@ -56,6 +59,8 @@ pub enum Solver {
     Canvas,
     /// Event-driven: exact between and at impacts, whatever the frame rate.
     Exact,
+    /// Fixed substeps in which all contacts are solved together: large piles in real time, whatever the frame rate.
+    Contact,
 }
 
 /// What has happened since the simulation began.
@@ -157,7 +162,8 @@ impl Simulation {
     /// The same simulation with another rest speed u, px/s. [`Solver::Exact`] lays a ball to rest on a wall where it
     /// would bounce off more slowly, lets what leans on a ball at rest hop off at u/2 at least, and takes no energy from
     /// balls that chatter: that hit each other more slowly than u, and within 2u/g of an impact before, or faster but
-    /// within 2u²/1000g of the place of that. The other solvers do not know it. It starts at [`DEFAULT_REST_SPEED`].
+    /// within 2u²/1000g of the place of that. [`Solver::Contact`] counts no impacts slower than this, where there is gravity, and
+    /// moves nothing otherwise for it; [`Solver::Canvas`] does not know it. It starts at [`DEFAULT_REST_SPEED`].
     ///
     /// A smaller one follows more, and smaller, bounces: the hops that are left out are up to u²/2g high, a ball that
     /// bounces to rest does so up to 2u/g/(1 − e) seconds too early, and hops of all balls together add ½Mu²/4 to the
@@ -191,8 +197,8 @@ impl Simulation {
     /// seconds that it has moved on. What is left out is time that was not simulated, not physics that was skipped: the
     /// state is the one at the time returned, and the next call goes on from there.
     ///
-    /// A solver whose work grows with what happens (`exact`) asks `go_on` now and then; one whose frame always costs
-    /// about the same (`canvas`) never asks, and finishes.
+    /// A solver whose work grows with what happens (`exact`) asks `go_on` now and then, and `contact` after each of its
+    /// substeps; one whose frame always costs about the same (`canvas`) never asks, and finishes.
     ///
     /// # Errors
     /// [`OutOfRange`] as for [`advance`](Self::advance); nothing has moved then.
@@ -334,7 +340,7 @@ fn check_fit(world: &World, balls: &[Ball], before: usize) -> Result<(), BuildEr
 
 impl Solver {
     /// All solvers, in the order in which the window goes through them.
-    pub const ALL: &'static [Self] = &[Self::Canvas, Self::Exact];
+    pub const ALL: &'static [Self] = &[Self::Canvas, Self::Exact, Self::Contact];
 
     /// The name that scene files and the command line use.
     #[must_use]
@@ -342,6 +348,7 @@ impl Solver {
         match self {
             Self::Canvas => "canvas",
             Self::Exact => "exact",
+            Self::Contact => "contact",
         }
     }
 
@@ -349,6 +356,7 @@ impl Solver {
         match self {
             Self::Canvas => Box::new(Canvas::new(world, balls)),
             Self::Exact => Box::new(Exact::new(world, balls, rest_speed)),
+            Self::Contact => Box::new(Contact::new(world, balls, rest_speed)),
         }
     }
 }

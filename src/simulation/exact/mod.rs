@@ -8,11 +8,10 @@
 //! - `flights`: what is known of a ball;
 //! - `foresee`: which event comes next for a ball, and the crossing of borders between cells;
 //! - `impacts`: what happens at an impact, and how balls come to rest;
-//! - `cells`, `calendar`, `clock`: where balls are, the queue, and time without rounding.
+//! - `cells`, `calendar`: where balls are, and the queue.
 
 mod calendar;
 mod cells;
-mod clock;
 mod flights;
 mod foresee;
 mod impacts;
@@ -22,12 +21,12 @@ use std::fmt::Debug;
 use glam::DVec2;
 
 use super::ball::Ball;
+use super::clock::Clock;
 use super::grid::Grid;
 use super::world::{Pairs, World};
 use super::{Advance, Frame, Part, Tally};
 use calendar::{Calendar, Dawn, Entry};
 use cells::Cells;
-use clock::Clock;
 use flights::{Flight, Marks, Matter, Target};
 
 /// The event-driven solver.

@@ -5,8 +5,9 @@
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Clock(u128);
 
-/// Units in a second.
-const SECOND: f64 = (1_u128 << 80) as f64;
+/// Units in a second: 2 to the power of this.
+const SECOND_BITS: u32 = 80;
+const SECOND: f64 = (1_u128 << SECOND_BITS) as f64;
 /// Frames are shown at multiples of 2⁻⁴⁶ s, so that sums that differ by the rounding of their deltas (120 times 1/24
 /// and 300 times 1/60) show the same state.
 const SHOWN: u128 = 1 << 34;
@@ -26,6 +27,21 @@ impl Clock {
     /// The last time at which a frame is shown that is not later than `seconds` after this one.
     pub(super) fn shown_before(self, seconds: f64) -> Self {
         Self(self.after(seconds).0 / SHOWN * SHOWN)
+    }
+
+    /// The whole steps of 1/`rate` s that are over when a frame is shown at this time, and the seconds since then; 0 where
+    /// these are within the rounding of what is shown.
+    pub(super) fn steps(self, rate: u32) -> (u64, f64) {
+        let shown = (self.0 + SHOWN / 2) / SHOWN * SHOWN;
+        let steps = ((shown + SHOWN) * u128::from(rate)) >> SECOND_BITS;
+        let begun = (steps << SECOND_BITS) / u128::from(rate);
+        let rest = shown.saturating_sub(begun);
+        (steps as u64, if rest <= SHOWN { 0.0 } else { rest as f64 / SECOND })
+    }
+
+    /// The time at which so many steps of 1/`rate` s are over.
+    pub(super) fn at_step(steps: u64, rate: u32) -> Self {
+        Self((u128::from(steps) << SECOND_BITS).div_ceil(u128::from(rate)))
     }
 
     /// Seconds since an earlier time.

@@ -1,0 +1,158 @@
+//! What the contact solver costs, and what it keeps: `cargo bench --bench contact -- [gas|pile|demo|heavy|column] [N]`.
+
+use std::time::Instant;
+
+use carom::simulation::grid::Grid;
+use carom::simulation::invariants::{kinetic_energy, max_overlap, potential_energy};
+use carom::{Ball, DVec2, Scene, Simulation, Solver, World};
+
+const FRAME: f64 = 1.0 / 60.0;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let counts: Vec<usize> = words.iter().filter_map(|word| word.parse().ok()).collect();
+    let wanted = |name: &str| {
+        words.iter().all(|word| word.parse::<usize>().is_ok()) || words.iter().any(|word| word == name)
+    };
+    let counts = |default: &[usize]| if counts.is_empty() { default.to_vec() } else { counts.clone() };
+    if wanted("gas") {
+        for count in counts(&[100, 1000, 10_000, 100_000]) {
+            gas(count);
+        }
+    }
+    if wanted("pile") {
+        for count in counts(&[1000, 10_000, 50_000]) {
+            pile(count);
+        }
+    }
+    if wanted("demo") {
+        demo();
+    }
+    if wanted("heavy") {
+        for mass in [1e2, 1e4, 1e6, 1e12] {
+            heavy(mass);
+        }
+    }
+    if wanted("column") {
+        for (count, top) in [(20, 1.0), (20, 1000.0), (100, 1.0), (1000, 1.0)] {
+            column(count, top);
+        }
+    }
+}
+
+fn seconds(simulation: &mut Simulation, seconds: f64) -> f64 {
+    let frames = (seconds / FRAME).round() as usize;
+    let start = Instant::now();
+    for _ in 0..frames {
+        simulation.advance(FRAME).unwrap();
+    }
+    start.elapsed().as_secs_f64() * 1e9 / frames as f64 / simulation.balls().len() as f64
+}
+
+fn energy(simulation: &Simulation) -> f64 {
+    kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
+}
+
+/// Mean overlap of touching pairs, the largest, the largest speed.
+fn quality(simulation: &Simulation) -> (f64, f64, f64) {
+    let balls = simulation.balls();
+    let mut grid = Grid::new(balls, simulation.world().size());
+    let (mut sum, mut count) = (0.0, 0);
+    grid.for_each(balls, |i, j| {
+        let (a, b) = (&balls[i as usize], &balls[j as usize]);
+        sum += (a.radius() + b.radius() - a.position().distance(b.position())) / a.radius().min(b.radius());
+        count += 1;
+    });
+    let fastest = balls.iter().map(|ball| ball.velocity().length()).fold(0.0, f64::max);
+    (sum / f64::from(count.max(1)), max_overlap(&mut grid, balls), fastest)
+}
+
+fn gas(count: usize) {
+    let side = (count as f64 * std::f64::consts::PI * 9.0 / 0.2).sqrt().round();
+    let text = format!(
+        "solver = \"contact\"\nsize = [{side}, {side}]\n[walls]\n[pairs]\n[[fill]]\ncount = {count}\nradius = 3\nspeed = 200\nmass = 1\n"
+    );
+    let mut simulation = Scene::parse("gas", &text).unwrap().build().unwrap();
+    let start = energy(&simulation);
+    let warm = seconds(&mut simulation, 0.5);
+    let ns = seconds(&mut simulation, 2.0);
+    let long = if count <= 1000 { 60.0 } else { 2.0 };
+    seconds(&mut simulation, long);
+    let (mean, most, _) = quality(&simulation);
+    println!(
+        "gas {count}: {warm:.0} {ns:.1} ns a ball and frame; energy {:+.4} % after {long} s; overlap {mean:.4} {most:.3}; {:?}",
+        (energy(&simulation) / start - 1.0) * 100.0,
+        simulation.tally()
+    );
+}
+
+fn pile(count: usize) {
+    // Half of the box is the area of balls of radius 3 to 6: a mean square of 21.
+    let area = count as f64 * std::f64::consts::PI * 21.0 * 2.0;
+    let (width, height) = ((area * 16.0 / 9.0).sqrt().round(), (area * 9.0 / 16.0).sqrt().round());
+    let text = format!(
+        "solver = \"contact\"\nsize = [{width}, {height}]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n[[fill]]\ncount = {count}\nradius = [3, 6]\nrestitution = 0.7\n"
+    );
+    let mut simulation = Scene::parse("pile", &text).unwrap().build().unwrap();
+    let mut energies = vec![energy(&simulation)];
+    let mut rise = 0.0_f64;
+    for second in 1..=10 {
+        let ns = seconds(&mut simulation, 1.0);
+        let now = energy(&simulation);
+        rise = rise.max(now - energies.iter().copied().fold(f64::INFINITY, f64::min));
+        energies.push(now);
+        let (mean, most, fastest) = quality(&simulation);
+        println!(
+            "pile {count} at {second} s: {ns:.0} ns; overlap mean {mean:.5}, most {most:.4}; fastest {fastest:.4} px/s; \
+             energy {:.6} of that at the start; risen by {:.2e} of it at most",
+            now / energies[0],
+            rise / energies[0]
+        );
+    }
+}
+
+fn demo() {
+    let mut simulation = Scene::load("gravity").unwrap().with_solver(Solver::Contact).build().unwrap();
+    for _ in 0..5 {
+        let ns = seconds(&mut simulation, 2.0);
+        let (mean, most, fastest) = quality(&simulation);
+        println!(
+            "demo: {ns:.1} ns; overlap {mean:.5} {most:.5}; fastest {fastest:.4}; energy {:.4e}",
+            energy(&simulation)
+        );
+    }
+}
+
+fn stand(name: &str, balls: Vec<Ball>) {
+    let height = balls.iter().map(|ball| 2.0 * ball.radius()).sum::<f64>();
+    let world = World::new(DVec2::new(400.0, height + 100.0)).unwrap().with_walls(0.5).unwrap();
+    let world = world.with_gravity(DVec2::new(0.0, 980.0)).unwrap().with_pairs(carom::Pairs::Impulse);
+    let mut simulation = Simulation::new(world, balls, Solver::Contact).unwrap();
+    let mut sunk = 0.0_f64;
+    let from = simulation.balls().last().unwrap().position();
+    let mut ns = 0.0;
+    for _ in 0..10 {
+        ns = seconds(&mut simulation, 1.0);
+        sunk = sunk.max(simulation.balls().last().unwrap().position().y - from.y);
+    }
+    let (mean, most, fastest) = quality(&simulation);
+    println!(
+        "{name}: the top sank by {sunk:.2e} px; overlap {mean:.2e} {most:.2e}; fastest {fastest:.2e}; {ns:.0} ns"
+    );
+}
+
+fn tower(count: usize, top: f64) -> Vec<Ball> {
+    let floor = count as f64 * 20.0 + 100.0;
+    let at = |k: usize| DVec2::new(200.0, floor - 10.0 - 20.0 * k as f64);
+    let mass = |k: usize| if k + 1 == count { top } else { 1.0 };
+    let ball = |k| Ball::new(at(k), 10.0).unwrap().with_mass(mass(k)).unwrap().with_restitution(0.5).unwrap();
+    (0..count).map(ball).collect()
+}
+
+fn heavy(mass: f64) {
+    stand(&format!("heavy {mass:e}"), tower(2, mass));
+}
+
+fn column(count: usize, top: f64) {
+    stand(&format!("column {count}, top {top}"), tower(count, top));
+}

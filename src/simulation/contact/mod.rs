@@ -1,0 +1,322 @@
+//! The `contact` solver: fixed substeps in which all contacts are solved together.
+//!
+//! A substep, in the order of its parts:
+//! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
+//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`);
+//! 3. balls that meet exchange momentum at their time of impact (`impacts`; `fast` for those that could go through others);
+//! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps (`support`);
+//! 5. balls move (`Contact::travel`).
+//!
+//! Velocities are those half-way between two positions (leapfrog), so that a ball at rest has none. Frames evaluate the
+//! substeps and never write back, so the result does not depend on how time is cut into frames.
+
+mod fast;
+mod find;
+mod impacts;
+mod order;
+mod support;
+
+use glam::DVec2;
+
+use super::ball::Ball;
+use super::clock::Clock;
+use super::grid::Grid;
+use super::world::{Pairs, World};
+use super::{Advance, Frame, Part, Tally};
+use find::{Cargo, Near};
+use impacts::Course;
+
+/// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz.
+const RATE: u32 = 240;
+
+/// A pair that holds each other bounces only where it meets faster than so many kicks of gravity.
+const FIRM: f64 = 2.0;
+
+/// A ball as the solver moves it: one cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+struct Body {
+    /// Where it is; during a substep in which it was hit, where it would have started to end where it does.
+    position: DVec2,
+    /// Its velocity through the substep, px/s: the mean of those at the substep's ends.
+    velocity: DVec2,
+    /// What that would be without the forces that hold it in this substep.
+    free: DVec2,
+    /// 0 where nothing moves it.
+    inverse_mass: f64,
+    radius: f64,
+}
+
+impl Body {
+    fn new(ball: &Ball, kick: DVec2) -> Self {
+        // Half a substep before its beginning.
+        let velocity = ball.velocity - 0.5 * kick;
+        Self {
+            position: ball.position,
+            velocity,
+            free: velocity,
+            inverse_mass: ball.mass.recip(),
+            radius: ball.radius,
+        }
+    }
+
+    /// By what gravity and supports change its velocity from one substep to the next.
+    #[inline]
+    fn change(&self, kick: DVec2) -> DVec2 {
+        if self.inverse_mass > 0.0 { kick + (self.velocity - self.free) } else { DVec2::ZERO }
+    }
+}
+
+/// What all parts of a substep need to know of the world.
+#[derive(Debug, Clone, Copy)]
+struct Setting {
+    size: DVec2,
+    /// The walls' restitution.
+    walls: Option<f64>,
+    /// The length of a substep, s.
+    substep: f64,
+    /// By what gravity changes a velocity in a substep, px/s.
+    kick: DVec2,
+    /// Whether balls can come to rest: there is gravity, or something takes energy.
+    rests: bool,
+    /// A pair that holds each other bounces only where it meets faster than this, px/s.
+    firm: f64,
+    /// Impacts slower than this are not counted, px/s.
+    rest_speed: f64,
+}
+
+/// The solver.
+#[derive(Debug)]
+pub(super) struct Contact {
+    setting: Setting,
+    bodies: Vec<Body>,
+    restitutions: Vec<f64>,
+    /// Which ball each body is: bodies stand in the order of their places.
+    ids: Vec<u32>,
+    near: Option<Near>,
+    /// Whether balls notice each other.
+    pairs: bool,
+    /// The pairs that are held apart in a substep, in the order in which they were looked at.
+    touching: Vec<u32>,
+    /// Whether each body is held by others or by a wall.
+    held: Vec<bool>,
+    course: Course,
+    /// Where contacts are only shown.
+    shown: Option<Grid>,
+    /// What happened to each body since the last frame.
+    hit: Vec<bool>,
+    /// Substeps taken.
+    steps: u64,
+    /// Position and velocity of each body one substep ago, while the frame lies within the last substep.
+    before: Vec<(DVec2, DVec2)>,
+    clock: Clock,
+}
+
+impl Contact {
+    pub(super) fn new(world: &World, balls: &[Ball], rest_speed: f64) -> Self {
+        let substep = 1.0 / f64::from(RATE);
+        let kick = world.gravity.unwrap_or_default() * substep;
+        let pairs = world.pairs == Some(Pairs::Impulse) && balls.len() > 1;
+        let takes_energy =
+            world.walls.is_some_and(|e| e < 1.0) || balls.iter().any(|ball| ball.restitution < 1.0);
+        let setting = Setting {
+            size: world.size,
+            walls: world.walls,
+            substep,
+            kick,
+            rests: kick != DVec2::ZERO || takes_energy,
+            firm: FIRM * kick.length(),
+            // Without gravity there is no chatter to be left out.
+            rest_speed: if kick == DVec2::ZERO { 0.0 } else { rest_speed },
+        };
+        Self {
+            setting,
+            bodies: balls.iter().map(|ball| Body::new(ball, kick)).collect(),
+            restitutions: balls.iter().map(|ball| ball.restitution).collect(),
+            ids: (0..balls.len() as u32).collect(),
+            near: (pairs || world.walls.is_some()).then(Near::default),
+            pairs,
+            touching: Vec::new(),
+            held: Vec::new(),
+            course: Course::default(),
+            shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
+            hit: vec![false; balls.len()],
+            steps: 0,
+            before: Vec::new(),
+            clock: Clock::default(),
+        }
+    }
+
+    /// One substep.
+    #[inline]
+    fn step(&mut self, tally: &mut Tally) {
+        self.accelerate();
+        self.find();
+        self.impacts(tally);
+        if self.setting.rests {
+            self.support();
+        }
+        self.travel();
+        if self.setting.rests {
+            self.relax();
+        }
+        self.steps += 1;
+    }
+
+    /// Gravity, and what held each ball in the last substep.
+    #[inline]
+    fn accelerate(&mut self) {
+        let kick = self.setting.kick;
+        if kick == DVec2::ZERO {
+            // Nothing presses: what held balls when they met is of no use any more.
+            for body in &mut self.bodies {
+                body.free = body.velocity;
+            }
+            return;
+        }
+        for body in &mut self.bodies {
+            let change = body.change(kick);
+            body.free = body.velocity + if body.inverse_mass > 0.0 { kick } else { DVec2::ZERO };
+            body.velocity += change;
+        }
+    }
+
+    /// Looks for pairs anew where what was found no longer covers this substep.
+    #[inline]
+    fn find(&mut self) {
+        let Self { setting, bodies, restitutions, ids, near, pairs, hit, before, .. } = self;
+        if let Some(near) = near
+            && !near.covers(bodies, setting.substep)
+        {
+            near.search(Cargo { bodies, restitutions, ids, hit, before }, setting, *pairs);
+            if setting.rests && setting.kick != DVec2::ZERO {
+                near.push_again(bodies);
+            }
+        }
+    }
+
+    /// Moves the balls, none farther than the search for pairs has covered, and none through a wall.
+    #[inline]
+    fn travel(&mut self) {
+        let Self { setting, bodies, near, .. } = self;
+        let Setting { substep, size, .. } = *setting;
+        match near {
+            None => {
+                for body in bodies.iter_mut() {
+                    body.position += body.velocity * substep;
+                }
+            }
+            Some(near) => {
+                for (body, home) in bodies.iter_mut().zip(&near.homes) {
+                    body.position += body.velocity * substep;
+                    if !home.covers(body.position) {
+                        body.position = home.limit(body.position);
+                        near.stale = true;
+                    }
+                }
+            }
+        }
+        let Self { setting, bodies, .. } = self;
+        if setting.walls.is_some() {
+            for body in bodies {
+                let radius = DVec2::splat(body.radius);
+                body.position = body.position.min(size - radius).max(radius);
+            }
+        }
+    }
+
+    /// Notes which bodies are held in the substep that is over.
+    fn find_held(&mut self) {
+        let Self { near: Some(near), held, bodies, .. } = self else { return };
+        held.clear();
+        held.resize(bodies.len(), false);
+        for (pair, _) in near.pairs.iter().zip(&near.holds).filter(|(_, hold)| hold.impulse > 0.0) {
+            held[pair.first as usize] = true;
+            held[pair.second as usize] = true;
+        }
+        for beside in near.beside.iter().filter(|beside| beside.push != DVec2::ZERO) {
+            held[beside.body as usize] = true;
+        }
+    }
+
+    /// A body's velocity between the substep that is over and the next.
+    fn velocity_between(&self, at: usize) -> DVec2 {
+        let body = &self.bodies[at];
+        let held = self.held.get(at) == Some(&true);
+        if held { body.velocity } else { body.velocity + 0.5 * body.change(self.setting.kick) }
+    }
+
+    /// Shows the balls as they are at the clock's time, `since` s after the last whole substep but one where that is
+    /// not 0. This evaluates, and never writes back.
+    fn show(&mut self, frame: &mut Frame<'_>, since: f64) {
+        let share = since * f64::from(RATE);
+        self.find_held();
+        for (at, body) in self.bodies.iter().enumerate() {
+            let ball = &mut frame.balls[self.ids[at] as usize];
+            let (mut position, mut velocity) = (body.position, self.velocity_between(at));
+            if let Some(&(was, had)) = self.before.get(at) {
+                position = was.lerp(position, share);
+                velocity = had.lerp(velocity, share);
+            }
+            (ball.position, ball.velocity) = (position, velocity);
+        }
+        if let Some(near) = &self.near {
+            for (pair, _) in near.pairs.iter().zip(&near.holds).filter(|(_, hold)| hold.impulse > 0.0) {
+                self.hit[pair.first as usize] = true;
+                self.hit[pair.second as usize] = true;
+            }
+            for (&id, hit) in self.ids.iter().zip(&mut self.hit) {
+                frame.touching[id as usize] = *hit;
+                *hit = false;
+            }
+        }
+        if let Some(grid) = &mut self.shown {
+            frame.touching.fill(false);
+            frame.show_overlaps(grid);
+        }
+    }
+}
+
+impl Advance for Contact {
+    fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
+        let (from, target) = (self.clock, self.clock.after(seconds));
+        let (whole, rest) = target.steps(RATE);
+        let last = whole + u64::from(rest > 0.0);
+        let mut stopped = false;
+        while self.steps < last && !stopped {
+            self.before.clear();
+            if self.steps == whole {
+                self.find_held();
+                let bodies = self.bodies.iter().enumerate();
+                let before: Vec<_> =
+                    bodies.map(|(at, body)| (body.position, self.velocity_between(at))).collect();
+                self.before = before;
+            }
+            self.step(frame.tally);
+            stopped = !go_on();
+        }
+        if self.steps < last {
+            self.clock = Clock::at_step(self.steps, RATE).max(from);
+            self.show(frame, 0.0);
+            self.clock.seconds_since(from)
+        } else {
+            self.clock = target;
+            if rest == 0.0 {
+                self.before.clear();
+            }
+            self.show(frame, rest);
+            seconds
+        }
+    }
+
+    fn parts(&self, world: &World) -> Vec<Part> {
+        let mut parts = Part::of_motion(world);
+        if self.pairs || self.shown.is_some() {
+            parts.push(Part::Grid);
+        }
+        if self.pairs {
+            parts.push(Part::Impulse);
+        }
+        parts
+    }
+}

@@ -1,0 +1,134 @@
+//! The order in which pairs are looked at, and what of them outlives a search.
+
+use glam::DVec2;
+
+use super::Body;
+use super::find::{Beside, Hold, Pair};
+
+/// The height of a layer, in the smallest radius.
+const LAYER: f64 = 0.25;
+
+/// Room for sorting pairs by height.
+#[derive(Debug, Default)]
+pub(super) struct Heights {
+    starts: Vec<u32>,
+    /// The place of each ball in the order of heights.
+    ranks: Vec<u32>,
+    sorted: Vec<Pair>,
+}
+
+impl Heights {
+    /// Puts the pairs in the order of the height of their upper balls, from the lowest up to a fraction of a radius, with
+    /// all pairs of an upper ball side by side, and the upper ball first. `up` is the unit vector against gravity.
+    pub(super) fn sort(&mut self, pairs: &mut Vec<Pair>, bodies: &[Body], up: DVec2) {
+        let Self { starts, ranks, sorted } = self;
+        let height = |body: &Body| body.position.dot(up);
+        let (mut low, mut high, mut smallest) = (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
+        for body in bodies {
+            low = low.min(height(body));
+            high = high.max(height(body));
+            smallest = smallest.min(body.radius);
+        }
+        let layers = ((high - low) / (LAYER * smallest)).min(2.0 * bodies.len() as f64).max(1.0);
+        let density = if high > low { layers / (high - low) } else { 0.0 };
+        let layer = |body: &Body| ((height(body) - low) * density) as usize;
+        starts.clear();
+        starts.resize(layers as usize + 2, 0);
+        for body in bodies {
+            starts[layer(body) + 1] += 1;
+        }
+        sum_up(starts);
+        ranks.clear();
+        ranks.extend(bodies.iter().map(|body| {
+            let next = &mut starts[layer(body)];
+            *next += 1;
+            *next - 1
+        }));
+        starts.clear();
+        starts.resize(bodies.len() + 1, 0);
+        for pair in pairs.iter_mut() {
+            let (first, second) = (ranks[pair.first as usize], ranks[pair.second as usize]);
+            if first < second {
+                (pair.first, pair.second) = (pair.second, pair.first);
+            }
+            starts[first.max(second) as usize + 1] += 1;
+        }
+        sum_up(starts);
+        sorted.clear();
+        sorted.resize(pairs.len(), Pair { first: 0, second: 0 });
+        for pair in pairs.iter() {
+            let start = &mut starts[ranks[pair.first as usize] as usize];
+            sorted[*start as usize] = *pair;
+            *start += 1;
+        }
+        std::mem::swap(pairs, sorted);
+    }
+}
+
+/// Turns counts, each behind its place, into starts.
+fn sum_up(counts: &mut [u32]) {
+    let mut sum = 0;
+    for count in counts {
+        sum += *count;
+        *count = sum;
+    }
+}
+
+/// What held balls when pairs were searched anew.
+#[derive(Debug, Default)]
+pub(super) struct Kept {
+    /// Where the holds begin whose lower index is a ball's; one more than there are balls. Empty where nothing was held.
+    starts: Vec<u32>,
+    /// The higher index, and the hold as seen from there to the lower one.
+    holds: Vec<(u32, Hold)>,
+    walls: Vec<(u32, DVec2)>,
+}
+
+impl Kept {
+    pub(super) fn take(&mut self, pairs: &[Pair], holds: &[Hold], beside: &[Beside], count: usize) {
+        self.walls.clear();
+        let pushed = beside.iter().filter(|beside| beside.push != DVec2::ZERO);
+        self.walls.extend(pushed.map(|beside| (beside.body, beside.push)));
+        self.starts.clear();
+        self.holds.clear();
+        let held = || pairs.iter().zip(holds).filter(|(_, hold)| hold.impulse > 0.0);
+        if held().next().is_none() {
+            return;
+        }
+        self.starts.resize(count + 1, 0);
+        for (pair, _) in held() {
+            self.starts[pair.first.min(pair.second) as usize + 1] += 1;
+        }
+        sum_up(&mut self.starts);
+        let total = self.starts[count];
+        self.holds.resize(total as usize, (0, Hold::NONE));
+        for (pair, hold) in held() {
+            let start = &mut self.starts[pair.first.min(pair.second) as usize];
+            self.holds[*start as usize] = (pair.first.max(pair.second), seen_from_lower(*pair, *hold));
+            *start += 1;
+        }
+        // Each start has become the next one's.
+        self.starts.rotate_right(1);
+        self.starts[0] = 0;
+    }
+
+    /// What two balls held each other with.
+    pub(super) fn by_ball(&self, pair: Pair) -> Option<Hold> {
+        let (low, high) = (pair.first.min(pair.second), pair.first.max(pair.second));
+        let ends = self.starts.get(low as usize..low as usize + 2)?;
+        let holds = &self.holds[ends[0] as usize..ends[1] as usize];
+        let (_, hold) = holds.iter().find(|(other, _)| *other == high)?;
+        Some(seen_from_lower(pair, *hold))
+    }
+
+    /// The velocity that walls gave to a ball.
+    pub(super) fn by_wall(&self, body: usize) -> DVec2 {
+        let found = self.walls.binary_search_by_key(&(body as u32), |&(at, _)| at);
+        found.map_or(DVec2::ZERO, |at| self.walls[at].1)
+    }
+}
+
+/// A hold with its directions as if the lower index were the first of the pair, or back.
+fn seen_from_lower(pair: Pair, hold: Hold) -> Hold {
+    if pair.first < pair.second { hold } else { Hold { normal: -hold.normal, grip: -hold.grip, ..hold } }
+}

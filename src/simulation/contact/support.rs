@@ -1,0 +1,239 @@
+//! What holds balls that press on each other and on walls: impulses without restitution, never negative, that leave no
+//! pair closer than touching at the end of the substep.
+//!
+//! They are found by projected Gauss–Seidel sweeps (Cottle, Pang & Stone 1992), one against gravity and one back, which
+//! start from the impulses of the last substep. An impulse gives way a little, so that overlaps follow loads, as springs
+//! would have it (soft constraints; Catto 2011): without that, a pile of rigid balls without friction never comes to rest.
+//! What moves balls out of overlaps is no speed of theirs: it is taken away after the move. Last, each ball is stopped on
+//! what lies below it, from the ground up, so that no load, and no ratio of masses, makes anything sink.
+
+use glam::DVec2;
+
+use super::find::{Beside, Hold, Near, Pair};
+use super::impacts::Course;
+use super::{Body, Contact, Setting};
+
+/// Pairs farther apart than this part of their radii, and not closing in, are left out of a substep.
+const APART: f64 = 0.01;
+/// The part of an overlap that is taken away in a substep.
+const MENDED: f64 = 0.3;
+/// ... at this many sums of both radii a second, at most: what starts in an overlap parts, and is not shot away.
+const MENDING_SPEED: f64 = 4.0;
+/// How much an impulse gives way, as a part of itself. With [`MENDED`] it makes contacts springs that are damped more than
+/// enough: a pair that carries the weight of N balls of its own mass overlaps by about N·g·h²·SOFT/MENDED.
+const SOFT: f64 = 0.006;
+/// The part of what was given along earlier directions that is let go in a substep.
+const LOOSENED: f64 = 0.02;
+/// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
+const STEADY: f64 = 0.03;
+/// The part of slow sliding of balls that press on each other that is taken away in a substep.
+const DAMPED: f64 = 0.1;
+/// Rounds over the pairs of one ball, where each may undo some of what the others did.
+const INNER: u32 = 3;
+
+impl Contact {
+    /// Holds what presses.
+    pub(super) fn support(&mut self) {
+        let Self { setting, bodies, near: Some(near), touching, course, .. } = self else { return };
+        let Near { pairs, holds, held, beside, .. } = near;
+        let Course { shifted, fast, .. } = &*course;
+        touching.clear();
+        if setting.kick == DVec2::ZERO {
+            // What held balls when they met is of no use any more.
+            for hold in &mut *holds {
+                (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+            }
+            for beside in &mut *beside {
+                beside.push = DVec2::ZERO;
+            }
+        }
+        hold_on_walls(setting, bodies, beside);
+        for (at, (pair, hold)) in pairs.iter().zip(&mut *holds).enumerate() {
+            let (i, j) = (pair.first as usize, pair.second as usize);
+            // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
+            let near = !fast.was_hit(i)
+                && !fast.was_hit(j)
+                && take_up(setting, bodies, *pair, hold, shifted[i] || shifted[j]);
+            if near {
+                touching.push(at as u32);
+            }
+            held[at] = near && (hold.met || hold.impulse > 0.0);
+            hold.met = false;
+        }
+        for &at in touching.iter().rev() {
+            hold_apart(bodies, pairs[at as usize], &mut holds[at as usize], SOFT);
+        }
+        hold_on_walls(setting, bodies, beside);
+        // Without gravity nothing lies on anything.
+        let mut rest = if setting.kick == DVec2::ZERO { &[] } else { &touching[..] };
+        while let Some(&at) = rest.first() {
+            let upper = pairs[at as usize].first;
+            let count = rest.iter().take_while(|&&at| pairs[at as usize].first == upper).count();
+            let (run, others) = rest.split_at(count);
+            rest = others;
+            carry(bodies, pairs, holds, run);
+        }
+    }
+
+    /// Takes the velocities away that moved balls out of overlaps.
+    pub(super) fn relax(&mut self) {
+        let Self { setting, bodies, near: Some(near), touching, .. } = self else { return };
+        for &at in touching.iter() {
+            let hold = &mut near.holds[at as usize];
+            hold.least = hold.least.min(0.0);
+            hold_apart(bodies, near.pairs[at as usize], hold, 0.0);
+            if hold.impulse > 0.0 {
+                calm(bodies, near.pairs[at as usize], hold, setting.firm);
+            }
+        }
+        for beside in &mut near.beside {
+            // What comes near a wall only now meets it in the next substep.
+            let held = beside.push;
+            let hold = |velocity: f64, push: f64| {
+                let without = velocity - push;
+                if push > 0.0 { without.max(0.0) } else { without.min(0.0) }
+            };
+            let body = &mut bodies[beside.body as usize];
+            for axis in 0..2 {
+                if held[axis] != 0.0 {
+                    let velocity = hold(body.velocity[axis], held[axis]);
+                    beside.push[axis] += velocity - body.velocity[axis];
+                    body.velocity[axis] = velocity;
+                }
+            }
+        }
+    }
+}
+
+/// Stops what still sinks on what carries it, as if that were as firm as the ground (shock propagation; Guendelman,
+/// Bridson & Fedkiw 2003). It only ever slows a ball down. `run` are the pairs of one upper ball.
+#[inline]
+fn carry(bodies: &mut [Body], pairs: &[Pair], holds: &[Hold], run: &[u32]) {
+    let upper = pairs[run[0] as usize].first as usize;
+    if bodies[upper].inverse_mass == 0.0 {
+        return;
+    }
+    let mut velocity = bodies[upper].velocity;
+    for _ in 0..INNER {
+        let before = velocity;
+        for &at in run {
+            let lower = &bodies[pairs[at as usize].second as usize];
+            let hold = &holds[at as usize];
+            let up = hold.normal;
+            let most = (lower.velocity.dot(up) + hold.least.min(0.0)).min(0.0) - velocity.dot(up);
+            if most > 0.0 {
+                velocity += up * most;
+            }
+        }
+        if velocity == before {
+            break;
+        }
+    }
+    let body = &mut bodies[upper];
+    body.free += velocity - body.velocity;
+    body.velocity = velocity;
+}
+
+/// Looks at a pair anew: its direction and distance. Whether it is close enough to be held apart; then it is, once. Where
+/// one of them is shifted by an impact, its place says nothing of overlaps.
+#[inline]
+fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, shifted: bool) -> bool {
+    let (first, second) = two(bodies, pair);
+    let distance = first.position - second.position;
+    let squared = distance.length_squared();
+    let reach = first.radius + second.radius;
+    let end = distance + (first.velocity - second.velocity) * setting.substep;
+    let near = (1.0 + 2.0 * APART) * reach * reach;
+    if hold.impulse == 0.0 && squared.min(end.length_squared()) > near {
+        return false;
+    }
+    let length = squared.sqrt();
+    let normal = if squared < f64::MIN_POSITIVE { DVec2::X } else { distance / length };
+    let gap = length - reach;
+    // What was given along the old direction turns into the new one within a few substeps, as if the balls gripped each
+    // other a little: that works against the motion that turns it, and lets piles come to rest. Where the direction turns by
+    // more in a substep, or nothing presses any more, nothing is left of it.
+    let given = hold.normal * hold.impulse + hold.grip;
+    let steady = (normal - hold.normal).length_squared() < STEADY * STEADY;
+    if steady && hold.impulse > 0.0 {
+        hold.grip = (given - normal * hold.impulse) * (1.0 - LOOSENED);
+    } else {
+        (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+    }
+    let more = normal * hold.impulse + hold.grip - given;
+    first.velocity += more * first.inverse_mass;
+    second.velocity -= more * second.inverse_mass;
+    hold.normal = normal;
+    hold.least = if gap > 0.0 {
+        -gap / setting.substep
+    } else if shifted {
+        // One of them would have been there at the beginning: that is not an overlap.
+        0.0
+    } else if setting.kick == DVec2::ZERO {
+        // Nothing presses them together again: they are moved, and need no velocity.
+        let way = normal * (MENDED * -gap * hold.mass);
+        first.position += way * first.inverse_mass;
+        second.position -= way * second.inverse_mass;
+        0.0
+    } else {
+        (MENDED * -gap / setting.substep).min(MENDING_SPEED * reach)
+    };
+    press(hold, first, second, SOFT);
+    true
+}
+
+/// Takes a part of the velocity with which two balls that press on each other slide along each other, where that is slow.
+#[inline]
+fn calm(bodies: &mut [Body], pair: Pair, hold: &Hold, slow: f64) {
+    let (first, second) = two(bodies, pair);
+    let velocity = first.velocity - second.velocity;
+    let along = velocity - hold.normal * velocity.dot(hold.normal);
+    if along.length_squared() < slow * slow {
+        let change = along * (DAMPED * hold.mass);
+        for (body, change) in [(first, -change), (second, change)] {
+            body.velocity += change * body.inverse_mass;
+            body.free += change * body.inverse_mass;
+        }
+    }
+}
+
+#[inline]
+fn hold_apart(bodies: &mut [Body], pair: Pair, hold: &mut Hold, soft: f64) {
+    let (first, second) = two(bodies, pair);
+    press(hold, first, second, soft);
+}
+
+/// Brings a pair's impulse to where both part with the least velocity, or to 0. A soft one gives way a little, by `soft`
+/// of what it holds, so that what they overlap by, in the end, follows what they carry.
+#[inline]
+fn press(hold: &mut Hold, first: &mut Body, second: &mut Body, soft: f64) {
+    let parting = (first.velocity - second.velocity).dot(hold.normal);
+    let impulse = ((hold.impulse - (parting - hold.least) * hold.mass) / (1.0 + soft)).max(0.0);
+    let push = hold.normal * (impulse - hold.impulse);
+    hold.impulse = impulse;
+    first.velocity += push * first.inverse_mass;
+    second.velocity -= push * second.inverse_mass;
+}
+
+/// Both bodies of a pair.
+#[inline]
+fn two(bodies: &mut [Body], pair: Pair) -> (&mut Body, &mut Body) {
+    let both = bodies.get_disjoint_mut([pair.first as usize, pair.second as usize]);
+    let [first, second] = both.expect("a pair is of two balls");
+    (first, second)
+}
+
+/// Stops the balls that walls hold at the walls.
+#[inline]
+fn hold_on_walls(setting: &Setting, bodies: &mut [Body], beside: &mut [Beside]) {
+    for beside in beside {
+        let body = &mut bodies[beside.body as usize];
+        // The velocities with which it would just reach the walls at the end of the substep.
+        let low = ((DVec2::splat(body.radius) - body.position) / setting.substep).min(DVec2::ZERO);
+        let high = ((setting.size - body.radius - body.position) / setting.substep).max(DVec2::ZERO);
+        let without = body.velocity - beside.push;
+        let held = without.max(low).min(high);
+        beside.push = held - without;
+        body.velocity = held;
+    }
+}

@@ -1,0 +1,352 @@
+//! The laws that `contact` keeps: each on the smallest case that shows it.
+
+use carom::simulation::grid::Grid;
+use carom::simulation::invariants::{
+    kinetic_energy, max_overlap, max_wall_overlap, momentum, non_finite, potential_energy,
+};
+use carom::{Ball, DVec2, Pairs, Scene, Simulation, Solver, World};
+use proptest::prelude::*;
+
+const EARTH: DVec2 = DVec2::new(0.0, 980.0);
+const FRAME: f64 = 1.0 / 60.0;
+
+fn ball(x: f64, y: f64, radius: f64) -> Ball {
+    Ball::new(DVec2::new(x, y), radius).unwrap()
+}
+
+fn moving(ball: Ball, x: f64, y: f64) -> Ball {
+    ball.with_velocity(DVec2::new(x, y)).unwrap()
+}
+
+fn world(width: f64, height: f64, restitution: f64) -> World {
+    let world = World::new(DVec2::new(width, height)).unwrap();
+    world.with_walls(restitution).unwrap().with_pairs(Pairs::Impulse)
+}
+
+fn simulation(world: World, balls: Vec<Ball>) -> Simulation {
+    Simulation::new(world, balls, Solver::Contact).unwrap()
+}
+
+fn energy(simulation: &Simulation) -> f64 {
+    kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
+}
+
+fn overlap(simulation: &Simulation) -> f64 {
+    let balls = simulation.balls();
+    max_overlap(&mut Grid::new(balls, simulation.world().size()), balls)
+}
+
+fn fastest(simulation: &Simulation) -> f64 {
+    simulation.balls().iter().map(|ball| ball.velocity().length()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_ball_gives_back_its_restitution_from_a_wall_at_any_speed() {
+    for e in [0.1, 0.7, 0.999, 1.0] {
+        for speed in [1.0, 30.0, 1e3, 1e5, 1e8] {
+            let start = ball(50.0, 50.0, 10.0).with_restitution(e).unwrap();
+            let mut simulation = simulation(world(1000.0, 100.0, e), vec![moving(start, -speed, 0.0)]);
+            while simulation.tally().wall_hits == 0 {
+                simulation.advance(1.0 / 240.0).unwrap();
+                assert!(simulation.time() < 50.0);
+            }
+            let hits = i32::try_from(simulation.tally().wall_hits).unwrap();
+            let left = simulation.balls()[0].velocity().length();
+            assert!((left / (speed * e.powi(hits)) - 1.0).abs() < 1e-12, "{e} {speed}: {left} after {hits}");
+        }
+    }
+}
+
+#[test]
+fn two_balls_give_back_their_restitution_at_any_speed() {
+    for e in [0.0, 0.1, 0.7, 1.0] {
+        for speed in [1.0, 30.0, 1e3, 1e5] {
+            let world = World::new(DVec2::splat(1000.0)).unwrap().with_pairs(Pairs::Impulse);
+            let one = moving(ball(400.0, 500.0, 10.0), speed, 0.0).with_restitution(e).unwrap();
+            let other = ball(430.0, 500.0, 10.0).with_mass(3.0).unwrap();
+            let mut simulation = simulation(world, vec![one, other]);
+            // At least a substep: within one the picture lies between its ends.
+            simulation.advance((20.0 / speed).max(1.0 / 240.0)).unwrap();
+            let parting = simulation.balls()[1].velocity().x - simulation.balls()[0].velocity().x;
+            assert!((parting - e * speed).abs() < 1e-12 * speed, "{e} {speed}: {parting}");
+            assert_eq!(simulation.tally().impacts, 1);
+        }
+    }
+}
+
+#[test]
+fn a_dropped_ball_bounces_as_high_as_its_restitution_says_and_comes_to_rest() {
+    // h·e² after the first bounce, in closed form within the substep; at rest after √(2h/g)·(1+e)/(1−e).
+    let (e, fall) = (0.8, 200.0);
+    let start = ball(100.0, 400.0 - 10.0 - fall, 10.0);
+    let mut simulation = simulation(world(200.0, 400.0, e).with_gravity(EARTH).unwrap(), vec![start]);
+    let down = (2.0 * fall / EARTH.y).sqrt();
+    let top = down * (1.0 + e);
+    simulation.advance(top).unwrap();
+    let height = 390.0 - simulation.balls()[0].position().y;
+    assert!((height - fall * e * e).abs() < 1e-3 * fall, "{height}");
+    let rest = down * (1.0 + e) / (1.0 - e);
+    simulation.advance(rest - top - 0.1).unwrap();
+    assert!(simulation.balls()[0].velocity().length() > 1.0);
+    simulation.advance(0.2).unwrap();
+    assert_eq!(simulation.balls()[0].velocity(), DVec2::ZERO);
+    assert_eq!(simulation.balls()[0].position().y, 390.0);
+}
+
+#[test]
+fn free_flight_follows_the_parabola_whatever_the_frames() {
+    let world = World::new(DVec2::splat(1000.0)).unwrap().with_gravity(EARTH).unwrap();
+    let mut simulation = simulation(world, vec![moving(ball(0.0, 0.0, 5.0), 100.0, -300.0)]);
+    for delta in [0.013, 1.0 / 144.0, 0.5, 0.0, 0.25, 0.003] {
+        simulation.advance(delta).unwrap();
+        let t = simulation.time();
+        let want = DVec2::new(100.0 * t, -300.0 * t + 490.0 * t * t);
+        // Between two substeps the picture is on the chord: g·h²/8 = 2.1e-3 px beside the parabola at most.
+        assert!(simulation.balls()[0].position().distance(want) < 2.2e-3);
+        assert!((simulation.balls()[0].velocity() - DVec2::new(100.0, -300.0 + 980.0 * t)).length() < 1e-9);
+    }
+}
+
+/// The state after two seconds in frames of these deltas.
+fn after_two_seconds(deltas: impl IntoIterator<Item = f64>) -> Vec<Ball> {
+    let mut simulation = Scene::load("gravity").unwrap().with_solver(Solver::Contact).build().unwrap();
+    for delta in deltas {
+        simulation.advance(delta).unwrap();
+    }
+    assert!((simulation.time() - 2.0).abs() < 1e-9);
+    simulation.balls().to_vec()
+}
+
+#[test]
+fn the_result_does_not_depend_on_how_time_is_cut_into_frames() {
+    let once = after_two_seconds([2.0]);
+    for rate in [24, 60, 75, 144, 240, 1000] {
+        let frames = std::iter::repeat_n(1.0 / f64::from(rate), 2 * rate as usize);
+        assert_eq!(after_two_seconds(frames), once, "{rate} frames a second");
+    }
+    let irregular = [0.0, 0.3, 0.001, 0.699, 1e-9, 1.0 - 1e-9];
+    assert_eq!(after_two_seconds(irregular), once);
+}
+
+#[test]
+fn an_elastic_gas_keeps_its_energy_and_leaves_no_overlap() {
+    let text =
+        "size = [400, 400]\n[walls]\n[pairs]\n[[fill]]\ncount = 300\nradius = [3, 8]\nspeed = [0, 300]\n";
+    let scene = Scene::parse("gas", text).unwrap().with_solver(Solver::Contact);
+    let mut simulation = scene.build().unwrap();
+    let start = energy(&simulation);
+    for _ in 0..600 {
+        simulation.advance(FRAME).unwrap();
+        assert!((energy(&simulation) / start - 1.0).abs() < 1e-9);
+    }
+    assert!(simulation.tally().impacts > 10_000);
+    assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+    assert!(overlap(&simulation) < 0.5, "{}", overlap(&simulation));
+}
+
+#[test]
+fn momentum_is_kept_where_nothing_holds_the_balls() {
+    let text = "size = [400, 400]\n[pairs]\n[[fill]]\ncount = 200\nradius = [3, 8]\nspeed = 300\nrestitution = 0.5\n";
+    let mut simulation = Scene::parse("cloud", text).unwrap().with_solver(Solver::Contact).build().unwrap();
+    let scale: f64 = simulation.balls().iter().map(|ball| ball.mass() * 300.0).sum();
+    let start = momentum(simulation.balls());
+    for _ in 0..120 {
+        simulation.advance(FRAME).unwrap();
+    }
+    assert!(simulation.tally().impacts > 50);
+    assert!((momentum(simulation.balls()) - start).length() < 1e-12 * scale);
+}
+
+#[test]
+fn a_bullet_passes_through_nothing_at_any_speed() {
+    for speed in [1e3, 1e4, 1e5, 1e6, 1e8] {
+        // A row of light discs across its way: it must move the first of them, whatever the substep.
+        let mut balls = vec![moving(ball(30.0, 200.0, 3.0), speed, 0.0)];
+        balls
+            .extend((0..5).map(|k| ball(400.0 + 100.0 * f64::from(k), 200.0, 20.0).with_mass(50.0).unwrap()));
+        let mut simulation = simulation(world(1000.0, 400.0, 1.0), balls);
+        let start = energy(&simulation);
+        let mut order_kept = true;
+        for _ in 0..60 {
+            simulation.advance(FRAME).unwrap();
+            assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+            // All on one line, and none can go round another.
+            let xs: Vec<f64> = simulation.balls().iter().map(|ball| ball.position().x).collect();
+            order_kept &= xs.windows(2).all(|pair| pair[0] < pair[1]);
+        }
+        assert!(order_kept, "{speed}");
+        assert!((energy(&simulation) / start - 1.0).abs() < 1e-9, "{speed}");
+        assert!(simulation.tally().impacts > 0);
+    }
+}
+
+/// Balls of radius 10 upon each other on the floor, from the bottom, of these masses; the highest place of all.
+fn tower(masses: &[f64]) -> Simulation {
+    let height = 20.0 * masses.len() as f64 + 100.0;
+    let balls = masses.iter().enumerate().map(|(k, &mass)| {
+        let at = ball(200.0, height - 10.0 - 20.0 * k as f64, 10.0);
+        at.with_mass(mass).unwrap().with_restitution(0.5).unwrap()
+    });
+    simulation(world(400.0, height, 0.5).with_gravity(EARTH).unwrap(), balls.collect())
+}
+
+/// How far the top of a tower sinks in `seconds`, px; and the fastest ball at the end.
+fn sinking(masses: &[f64], seconds: usize) -> (f64, f64) {
+    let mut simulation = tower(masses);
+    let top = simulation.balls().last().unwrap().position().y;
+    let mut sunk = 0.0_f64;
+    for _ in 0..seconds * 60 {
+        simulation.advance(FRAME).unwrap();
+        sunk = sunk.max(simulation.balls().last().unwrap().position().y - top);
+    }
+    (sunk, fastest(&simulation))
+}
+
+#[test]
+fn a_heavy_ball_rests_on_a_light_one_whatever_their_masses() {
+    for mass in [1e2, 1e4, 1e6, 1e12] {
+        let (sunk, fastest) = sinking(&[1.0, mass], 10);
+        assert!(sunk < 0.02 * 10.0 && fastest < 0.5, "{mass}: {sunk} px, {fastest} px/s");
+    }
+}
+
+#[test]
+fn columns_stand_still() {
+    let (sunk, fastest) = sinking(&[1.0; 100], 10);
+    assert!(sunk < 0.1 && fastest < 0.5, "{sunk} px, {fastest} px/s");
+    let mut masses = [1.0; 20];
+    masses[19] = 1000.0;
+    let (sunk, fastest) = sinking(&masses, 10);
+    assert!(sunk < 0.1 && fastest < 0.5, "{sunk} px, {fastest} px/s");
+}
+
+#[test]
+fn coincident_centres_part() {
+    for gravity in [DVec2::ZERO, EARTH] {
+        let balls = vec![ball(200.0, 200.0, 10.0); 3];
+        let mut simulation = simulation(world(400.0, 400.0, 0.5).with_gravity(gravity).unwrap(), balls);
+        simulation.advance(5.0).unwrap();
+        assert!(overlap(&simulation) < 0.05, "{}", overlap(&simulation));
+        assert!(fastest(&simulation) < 100.0);
+    }
+}
+
+/// The settled pile of the issue, small: half a 16:9 box of balls of radius 3 to 6.
+fn pile(count: usize) -> Simulation {
+    let area = count as f64 * std::f64::consts::PI * 21.0 * 2.0;
+    let (width, height) = ((area * 16.0 / 9.0).sqrt().round(), (area * 9.0 / 16.0).sqrt().round());
+    let text = format!(
+        "size = [{width}, {height}]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n[[fill]]\n\
+         count = {count}\nradius = [3, 6]\nrestitution = 0.7\n"
+    );
+    Scene::parse("pile", &text).unwrap().with_solver(Solver::Contact).build().unwrap()
+}
+
+#[test]
+fn a_pile_settles_with_little_overlap_and_its_energy_does_not_rise() {
+    let mut simulation = pile(300);
+    let start = energy(&simulation);
+    let mut least = start;
+    for _ in 0..600 {
+        simulation.advance(FRAME).unwrap();
+        let now = energy(&simulation);
+        assert!(now < least + 1e-3 * start, "{now} after {least} at {} s", simulation.time());
+        least = least.min(now);
+    }
+    assert!(overlap(&simulation) < 0.05, "{}", overlap(&simulation));
+    assert!(fastest(&simulation) < 5.0, "{}", fastest(&simulation));
+    assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+}
+
+#[test]
+fn contact_agrees_with_exact_until_chaos_parts_them() {
+    let mut exact = Scene::load("elastic").unwrap().build().unwrap();
+    let mut contact = Scene::load("elastic").unwrap().with_solver(Solver::Contact).build().unwrap();
+    assert_eq!(exact.solver(), Solver::Exact);
+    for _ in 0..60 {
+        exact.advance(FRAME).unwrap();
+        contact.advance(FRAME).unwrap();
+    }
+    let apart = exact.balls().iter().zip(contact.balls()).map(|(a, b)| a.position().distance(b.position()));
+    assert!(apart.fold(0.0, f64::max) < 1e-6);
+    assert_eq!(exact.tally().impacts, contact.tally().impacts);
+}
+
+#[test]
+fn a_run_that_is_stopped_goes_on_from_there() {
+    let whole = after_two_seconds([2.0]);
+    let mut simulation = Scene::load("gravity").unwrap().with_solver(Solver::Contact).build().unwrap();
+    let mut left = 2.0;
+    while left > 1e-9 {
+        let mut looks = 0;
+        let done = simulation
+            .advance_while(left, || {
+                looks += 1;
+                looks < 7
+            })
+            .unwrap();
+        assert!(done > 0.0);
+        left -= done;
+    }
+    let apart = whole.iter().zip(simulation.balls()).map(|(a, b)| a.position().distance(b.position()));
+    assert!(apart.fold(0.0, f64::max) < 1e-6);
+}
+
+#[derive(Debug, Clone)]
+struct Wild {
+    balls: Vec<Ball>,
+    size: DVec2,
+    gravity: DVec2,
+    walls: f64,
+}
+
+prop_compose! {
+    fn wild()(
+        width in 50.0..500.0_f64, height in 50.0..500.0_f64, walls in 0.0..=1.0_f64,
+        gravity in (-1000.0..1000.0_f64, -1000.0..1000.0_f64), weightless in any::<bool>(),
+        balls in prop::collection::vec(
+            (0.0..1.0_f64, 0.0..1.0_f64, 0.0..1.0_f64, -6.0..6.0_f64, 0.0..=1.0_f64, -500.0..500.0_f64, -500.0..500.0_f64),
+            1..60,
+        ),
+        decades in 0.0..2.0_f64, fast in 0..4_i32,
+    ) -> Wild {
+        let gravity = if weightless { DVec2::ZERO } else { DVec2::new(gravity.0, gravity.1) };
+        let balls = balls.into_iter().map(|(x, y, size, mass, e, vx, vy)| {
+            // Overfull boxes and overlaps are part of it: the largest is a quarter of the box wide.
+            let radius = 12.0 * 10_f64.powf(-decades * size);
+            let speed = 10_f64.powi(2 * fast) / 100.0;
+            let at = DVec2::new(radius + x * (width - 2.0 * radius), radius + y * (height - 2.0 * radius));
+            Ball::new(at, radius).unwrap().with_mass(10_f64.powf(mass)).unwrap()
+                .with_restitution(e).unwrap().with_velocity(DVec2::new(vx, vy) * speed).unwrap()
+        }).collect();
+        Wild { balls, size: DVec2::new(width, height), gravity, walls }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
+
+    #[test]
+    fn anything_that_is_put_in_stays_finite_and_inside(scene in wild()) {
+        let world = world(scene.size.x, scene.size.y, scene.walls).with_gravity(scene.gravity).unwrap();
+        let mut simulation = simulation(world, scene.balls);
+        for _ in 0..60 {
+            simulation.advance(FRAME).unwrap();
+            prop_assert_eq!(non_finite(simulation.balls()), 0);
+            prop_assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn without_gravity_no_energy_comes_from_nowhere(scene in wild()) {
+        let world = world(scene.size.x, scene.size.y, scene.walls);
+        let mut simulation = simulation(world, scene.balls);
+        let mut before = energy(&simulation);
+        for frame in 0..60 {
+            simulation.advance(FRAME).unwrap();
+            let now = energy(&simulation);
+            prop_assert!(now <= before * (1.0 + 1e-9), "frame {}: {} after {}", frame, now, before);
+            before = now;
+        }
+    }
+}
