@@ -14,8 +14,22 @@ macro_rules! builtin {
 }
 
 /// All of them; the first eight are the demo's stages, in its order.
-pub(super) const SCENES: &[Builtin] =
-    builtin!["draw", "move", "two", "detect", "walls", "elastic", "inelastic", "gravity"];
+pub(super) const SCENES: &[Builtin] = builtin![
+    "draw",
+    "move",
+    "two",
+    "detect",
+    "walls",
+    "elastic",
+    "inelastic",
+    "gravity",
+    "pile",
+    "column",
+    "heavy",
+    "bullet",
+    "cradle",
+    "gas",
+];
 
 /// How many of the built-in scenes are the demo's stages.
 pub const STAGES: usize = 8;
