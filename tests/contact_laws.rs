@@ -350,3 +350,43 @@ proptest! {
         }
     }
 }
+
+/// A box filled with so much of its area of balls that do not overlap.
+#[derive(Debug, Clone)]
+struct Filled {
+    text: String,
+}
+
+prop_compose! {
+    fn filled()(
+        width in 100..500_u32, height in 100..500_u32, walls in 0.0..=1.0_f64, e in 0.0..=1.0_f64,
+        gx in -1000.0..1000.0_f64, gy in -1000.0..1000.0_f64, radius in 3.0..8.0_f64, ratio in 1.0..3.0_f64,
+        share in 0.05..0.45_f64, speed in 0.0..500.0_f64, seed in 1..1000_u32,
+    ) -> Filled {
+        let largest = radius * ratio;
+        let mean = (radius * radius + radius * largest + largest * largest) / 3.0;
+        let count = (share * f64::from(width * height) / (std::f64::consts::PI * mean)).floor();
+        Filled { text: format!(
+            "solver = \"contact\"\nsize = [{width}, {height}]\ngravity = [{gx}, {gy}]\n[walls]\nrestitution = {walls}\n[pairs]\n\
+             [[fill]]\ncount = {count}\nradius = [{radius}, {largest}]\nspeed = [0, {speed}]\nrestitution = {e}\nseed = {seed}\n"
+        ) }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(100) })]
+
+    #[test]
+    fn under_gravity_no_energy_comes_from_nowhere_either(scene in filled()) {
+        let mut simulation = Scene::parse("filled", &scene.text).unwrap().build().unwrap();
+        let start = energy(&simulation);
+        let mut least = start;
+        for _ in 0..240 {
+            simulation.advance(FRAME).unwrap();
+            let now = energy(&simulation);
+            prop_assert!(now <= least + 1e-3 * start, "{} at {} s", (now - least) / start, simulation.time());
+            least = least.min(now);
+        }
+        prop_assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+    }
+}

@@ -14,7 +14,7 @@ const SKIN: f64 = 0.1;
 /// ... and as far as its speed, or the root mean square of all speeds, takes it in so many substeps.
 const HORIZON: f64 = 4.0;
 /// The same for few balls, all pairs of which are soon compared.
-const FEW_HORIZON: f64 = 16.0;
+const FEW_HORIZON: f64 = 6.0;
 /// The most balls for which comparing all pairs is cheaper than keeping a grid.
 const FEW: usize = 40;
 /// Balls are put in the order of their places once in so many searches.
