@@ -390,3 +390,23 @@ proptest! {
         prop_assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
     }
 }
+
+#[test]
+fn gravity_however_strong_gives_no_energy() {
+    for gravity in [1e5, 1e7] {
+        let text = format!(
+            "solver = \"contact\"\nsize = [300, 300]\ngravity = [0, {gravity}]\n[walls]\nrestitution = 0.7\n[pairs]\n\
+             [[fill]]\ncount = 40\nradius = [3, 9]\nrestitution = 0.7\n"
+        );
+        let mut simulation = Scene::parse("strong", &text).unwrap().build().unwrap();
+        let start = energy(&simulation);
+        let mut least = start;
+        for _ in 0..30 {
+            simulation.advance(FRAME).unwrap();
+            let now = energy(&simulation);
+            assert!(now < least + 1e-3 * start, "{gravity}: {now} after {least}");
+            least = least.min(now);
+        }
+        assert!(least < 0.5 * start);
+    }
+}

@@ -12,7 +12,7 @@ use super::{Body, Setting};
 /// A ball may go so much of its radius, whatever its speed, before pairs are searched anew.
 const SKIN: f64 = 0.1;
 /// ... and as far as its speed, or the root mean square of all speeds, takes it in so many substeps.
-const HORIZON: f64 = 4.0;
+const HORIZON: f64 = 3.0;
 /// The same for few balls, all pairs of which are soon compared.
 const FEW_HORIZON: f64 = 6.0;
 /// The most balls for which comparing all pairs is cheaper than keeping a grid.

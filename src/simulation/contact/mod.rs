@@ -26,8 +26,13 @@ use super::{Advance, Frame, Part, Tally};
 use find::{Cargo, Near};
 use impacts::Course;
 
-/// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz.
+/// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; a multiple of that where gravity is strong.
 const RATE: u32 = 240;
+/// Gravity moves a ball at rest by at most this part of the smallest radius in a substep: else what falls within one would
+/// count for more than what is held.
+const SINKING: f64 = 0.02;
+/// ... as long as substeps are not shortened more than so many times.
+const MOST_SHORTENED: f64 = 1024.0;
 
 /// A pair that holds each other bounces only where it meets faster than so many kicks of gravity.
 const FIRM: f64 = 2.0;
@@ -89,6 +94,8 @@ struct Setting {
 #[derive(Debug)]
 pub(super) struct Contact {
     setting: Setting,
+    /// Substeps in a second.
+    rate: u32,
     bodies: Vec<Body>,
     restitutions: Vec<f64>,
     /// Which ball each body is: bodies stand in the order of their places.
@@ -114,7 +121,8 @@ pub(super) struct Contact {
 
 impl Contact {
     pub(super) fn new(world: &World, balls: &[Ball], rest_speed: f64) -> Self {
-        let substep = 1.0 / f64::from(RATE);
+        let rate = rate(world, balls);
+        let substep = 1.0 / f64::from(rate);
         let kick = world.gravity.unwrap_or_default() * substep;
         let pairs = world.pairs == Some(Pairs::Impulse) && balls.len() > 1;
         let takes_energy =
@@ -131,6 +139,7 @@ impl Contact {
         };
         Self {
             setting,
+            rate,
             bodies: balls.iter().map(|ball| Body::new(ball, kick)).collect(),
             restitutions: balls.iter().map(|ball| ball.restitution).collect(),
             ids: (0..balls.len() as u32).collect(),
@@ -249,7 +258,7 @@ impl Contact {
     /// Shows the balls as they are at the clock's time, `since` s after the last whole substep but one where that is
     /// not 0. This evaluates, and never writes back.
     fn show(&mut self, frame: &mut Frame<'_>, since: f64) {
-        let share = since * f64::from(RATE);
+        let share = since * f64::from(self.rate);
         self.find_held();
         for (at, body) in self.bodies.iter().enumerate() {
             let ball = &mut frame.balls[self.ids[at] as usize];
@@ -277,10 +286,19 @@ impl Contact {
     }
 }
 
+/// Substeps in a second for these balls under this gravity.
+fn rate(world: &World, balls: &[Ball]) -> u32 {
+    let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
+    let pull = world.gravity.unwrap_or_default().length();
+    let least = (pull / (SINKING * smallest)).sqrt();
+    let times = (least / f64::from(RATE)).ceil().clamp(1.0, MOST_SHORTENED);
+    RATE * times as u32
+}
+
 impl Advance for Contact {
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
         let (from, target) = (self.clock, self.clock.after(seconds));
-        let (whole, rest) = target.steps(RATE);
+        let (whole, rest) = target.steps(self.rate);
         let last = whole + u64::from(rest > 0.0);
         let mut stopped = false;
         while self.steps < last && !stopped {
@@ -296,7 +314,7 @@ impl Advance for Contact {
             stopped = !go_on();
         }
         if self.steps < last {
-            self.clock = Clock::at_step(self.steps, RATE).max(from);
+            self.clock = Clock::at_step(self.steps, self.rate).max(from);
             self.show(frame, 0.0);
             self.clock.seconds_since(from)
         } else {
