@@ -248,7 +248,7 @@ fn first_wall(setting: &Setting, body: &Body, since: f64) -> Option<(f64, usize)
 /// One bounce of a fast ball on a wall across `axis`, at `time`.
 fn bounce_off(setting: &Setting, body: &mut Body, axis: usize, time: f64, tally: &mut Tally) {
     let e = setting.walls.unwrap_or_default();
-    let bent = body.velocity[axis] + body.change(setting.kick)[axis] * (time / setting.substep - 0.5);
+    let bent = body.velocity[axis] + setting.kick[axis] * (time / setting.substep - 0.5);
     // Along this axis it may be slow: never turned round by gravity alone.
     let speed = if bent * body.velocity[axis] > 0.0 { bent } else { body.velocity[axis] };
     let mut change = DVec2::ZERO;

@@ -140,11 +140,12 @@ impl Meeting {
             return None;
         }
         let distance = distance + velocity * wait;
-        // Not the mean velocity, but that at the time of impact; where they pressed on each other before, that without what
-        // would press them together now.
+        // By the velocity at the time of impact, or, where they pressed on each other before, by that without what presses
+        // them together now; but by no more than the mean velocity in the substep, in which what they were given already
+        // counts: none may give more than it finds.
         let change = first.change(setting.kick) - second.change(setting.kick);
-        let velocity = velocity + change * if held { -1.0 } else { time / setting.substep - 0.5 };
-        let closing = distance.dot(velocity);
+        let then = velocity + change * if held { -1.0 } else { time / setting.substep - 0.5 };
+        let closing = distance.dot(velocity).max(distance.dot(then));
         let length = distance.length();
         if closing >= 0.0 || length < COINCIDENT {
             return None;
@@ -185,21 +186,26 @@ fn meet_walls(setting: &Setting, body: &mut Body, beside: &Beside, tally: &mut T
             continue;
         };
         let change = body.change(setting.kick)[axis];
+        // In closed form only where nothing but gravity acts on it.
         let rests = side * beside.push[axis] > 0.0;
+        let lone = !rests && body.velocity == body.free;
         if rests && -side * body.velocity[axis] < setting.firm {
             continue;
         }
-        let (acceleration, start) = if rests {
+        let (acceleration, start) = if lone {
+            (change / setting.substep, body.velocity[axis] - 0.5 * change)
+        } else if rests {
             (0.0, body.velocity[axis])
         } else {
-            (change / setting.substep, body.velocity[axis] - 0.5 * change)
+            let (mean, first) = (body.velocity[axis], body.velocity[axis] - 0.5 * change);
+            (0.0, if side * first > side * mean { first } else { mean })
         };
         let hop = Hop { height: gap, speed: side * start, acceleration: side * acceleration };
         let landed = hop.bounce(setting.substep, e);
         // What it would have been, had nothing held it.
         let velocity = match landed.at {
-            Some(at) if rests => side * at.speed,
-            Some(at) => side * at.speed - 0.5 * change,
+            Some(at) if lone => side * at.speed - 0.5 * change,
+            Some(at) => side * at.speed,
             None => change,
         };
         let height = landed.at.map_or(0.0, |at| at.height);
