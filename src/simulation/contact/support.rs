@@ -166,9 +166,13 @@ fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, 
     hold.normal = normal;
     hold.least = if gap > 0.0 {
         -gap / setting.substep
-    } else if shifted {
-        // One of them would have been there at the beginning: that is not an overlap.
+    } else if shifted && setting.kick == DVec2::ZERO {
+        // One of them would have come from there: that is not an overlap.
         0.0
+    } else if shifted {
+        // Here, too, but what presses may leave one at the end.
+        let deep = (reach - end.length()).max(0.0);
+        (MENDED * deep / setting.substep).min(MENDING_SPEED * reach)
     } else if setting.kick == DVec2::ZERO {
         // Nothing presses them together again: they are moved, and need no velocity.
         let way = normal * (MENDED * -gap * hold.mass);
