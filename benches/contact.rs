@@ -22,7 +22,8 @@ fn main() {
     }
     if wanted("pile") {
         for count in counts(&[1000, 10_000, 50_000]) {
-            pile(count);
+            pile(count, true);
+            pile(count, false);
         }
     }
     if wanted("demo") {
@@ -86,14 +87,14 @@ fn gas(count: usize) {
     );
 }
 
-fn pile(count: usize) {
+fn pile(count: usize, sleep: bool) {
     // Half of the box is the area of balls of radius 3 to 6: a mean square of 21.
     let area = count as f64 * std::f64::consts::PI * 21.0 * 2.0;
     let (width, height) = ((area * 16.0 / 9.0).sqrt().round(), (area * 9.0 / 16.0).sqrt().round());
     let text = format!(
         "solver = \"contact\"\nsize = [{width}, {height}]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n[[fill]]\ncount = {count}\nradius = [3, 6]\nrestitution = 0.7\n"
     );
-    let mut simulation = Scene::parse("pile", &text).unwrap().build().unwrap();
+    let mut simulation = Scene::parse("pile", &text).unwrap().build().unwrap().with_sleep(sleep);
     let mut energies = vec![energy(&simulation)];
     let mut rise = 0.0_f64;
     for second in 1..=10 {
@@ -103,8 +104,9 @@ fn pile(count: usize) {
         energies.push(now);
         let (mean, most, fastest) = quality(&simulation);
         println!(
-            "pile {count} at {second} s: {ns:.0} ns; overlap mean {mean:.5}, most {most:.4}; fastest {fastest:.4} px/s; \
+            "pile {count} {} {second} s: {ns:.0} ns; overlap mean {mean:.5}, most {most:.4}; fastest {fastest:.4} px/s; \
              energy {:.6} of that at the start; risen by {:.2e} of it at most",
+            if sleep { "may sleep," } else { "awake," },
             now / energies[0],
             rise / energies[0]
         );

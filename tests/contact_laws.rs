@@ -380,20 +380,108 @@ proptest! {
     })]
 
     #[test]
-    fn under_gravity_no_more_than_a_hundredth_of_the_energy_comes_back(scene in filled()) {
+    fn under_gravity_no_more_than_three_thousandths_of_the_energy_come_back(scene in filled()) {
         let mut simulation = Scene::parse("filled", &scene.text).unwrap().build().unwrap();
         let start = energy(&simulation);
         let mut least = start;
         for _ in 0..240 {
             simulation.advance(FRAME).unwrap();
             let now = energy(&simulation);
-            // What sank into an overlap is lifted out of it again, and in a dense crowd whose balls give back nearly all
-            // impulses are taken out of order. Measured: 1e-5 of the energy at the start in the middle one of such boxes.
-            prop_assert!(now <= least + 1e-2 * start, "{} at {} s", (now - least) / start, simulation.time());
+            // What sank into an overlap is lifted out of it again. Measured in 200 such boxes: 7e-6 of the energy at the
+            // start in the middle one, 4e-4 in the worst.
+            prop_assert!(now <= least + 3e-3 * start, "{} at {} s", (now - least) / start, simulation.time());
             least = least.min(now);
         }
         prop_assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
     }
+}
+
+/// The largest distance between places of the same ball.
+fn farthest(one: &Simulation, other: &Simulation) -> f64 {
+    let pairs = one.balls().iter().zip(other.balls());
+    pairs.map(|(a, b)| a.position().distance(b.position())).fold(0.0, f64::max)
+}
+
+#[test]
+fn flying_balls_fly_as_in_exact_whatever_the_substep() {
+    for (scene, time, slowest, bound) in
+        [("elastic", 1.0, 30, 1e-5), ("inelastic", 1.0, 60, 1e-7), ("gravity", 0.5, 30, 1e-8)]
+    {
+        let build = |solver| Scene::load(scene).unwrap().with_solver(solver).build().unwrap();
+        let mut exact = build(Solver::Exact).with_rest_speed(1e-6).unwrap();
+        exact.advance(time).unwrap();
+        for doublings in 0..7 {
+            let mut contact = build(Solver::Contact).with_substeps(slowest << doublings).unwrap();
+            contact.advance(time).unwrap();
+            let error = farthest(&contact, &exact);
+            assert!(error < bound, "{scene} in substeps of 1/{}: {error:e}", slowest << doublings);
+            assert_eq!(contact.tally().impacts, exact.tally().impacts);
+        }
+    }
+}
+
+/// A column of balls, and one that slides along the floor until it hits the lowest, after 4 s.
+fn struck_column() -> Simulation {
+    let mut balls: Vec<_> = (0..5).map(|k| ball(600.0, 590.0 - 20.0 * f64::from(k), 10.0)).collect();
+    balls.push(moving(ball(100.0, 590.0, 10.0), 120.0, 0.0));
+    simulation(world(1000.0, 600.0, 0.5).with_gravity(EARTH).unwrap(), balls)
+}
+
+#[test]
+fn a_column_at_rest_sleeps_and_falls_when_its_foot_is_knocked_away() {
+    let mut simulation = struck_column();
+    simulation.advance(3.0).unwrap();
+    let before = simulation.balls().to_vec();
+    simulation.advance(0.5).unwrap();
+    assert_eq!(simulation.balls()[..5], before[..5]);
+    assert!(simulation.balls()[..5].iter().all(|ball| ball.velocity() == DVec2::ZERO));
+    simulation.advance(6.0).unwrap();
+    let after = simulation.balls();
+    assert!(
+        after[4].position().y > before[4].position().y + 19.0,
+        "the top is still at {}",
+        after[4].position()
+    );
+    for ball in after {
+        let lies_on = |other: &Ball| {
+            let apart = ball.position().distance(other.position());
+            other.position().y > ball.position().y && apart < ball.radius() + other.radius() + 0.1
+        };
+        let at = ball.position();
+        assert!(at.y > 589.9 || after.iter().any(lies_on), "one hangs in the air at {at}");
+    }
+}
+
+#[test]
+fn what_lands_on_a_sleeping_pile_wakes_it_and_leaves_no_overlap() {
+    let text = "solver = \"contact\"\nsize = [300, 6000]\ngravity = [0, 980]\n[walls]\nrestitution = 0.3\n[pairs]\n\
+                [[ball]]\nposition = [150, 30]\nradius = 25\nmass = 100\nrestitution = 0.3\n\
+                [[fill]]\ncount = 150\nradius = [6, 9]\nrestitution = 0.3\nregion = [0, 5600, 300, 6000]\n";
+    let mut simulation = Scene::parse("drop", text).unwrap().build().unwrap();
+    simulation.advance(3.2).unwrap();
+    let rest = simulation.balls().to_vec();
+    let still = |ball: &&Ball| ball.velocity() == DVec2::ZERO;
+    assert!(rest.iter().filter(still).count() > 100, "the pile did not fall asleep");
+    simulation.advance(0.3).unwrap();
+    let moved = simulation.balls().iter().zip(&rest).filter(|(now, then)| now.position() != then.position());
+    assert!(moved.count() > 50);
+    simulation.advance(10.0).unwrap();
+    assert_eq!(fastest(&simulation), 0.0);
+    assert!(overlap(&simulation) < 0.05);
+}
+
+#[test]
+fn a_pile_that_fell_asleep_stands_still_to_the_bit() {
+    let mut pile = pile(300);
+    pile.advance(10.0).unwrap();
+    assert_eq!(fastest(&pile), 0.0);
+    assert!(overlap(&pile) < 0.05);
+    let (before, touching) = (pile.balls().to_vec(), pile.touching().to_vec());
+    for frame in [1.0 / 60.0, 1.0 / 144.0, 0.0, 100.0] {
+        pile.advance(frame).unwrap();
+    }
+    assert_eq!((pile.balls(), pile.touching()), (&before[..], &touching[..]));
+    assert!((pile.time() - 110.0).abs() < 0.1);
 }
 
 #[test]

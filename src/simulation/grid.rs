@@ -257,17 +257,29 @@ impl Grid {
 
     /// Compares each large ball with the cells that it reaches, and with the other large ones.
     fn compare_large(&self, contact: &mut impl FnMut(u32, u32)) {
-        let Self { density, columns, rows, reach, starts, sorted, large, .. } = self;
-        for (at, ball) in large.iter().enumerate() {
-            compare(ball, &large[at + 1..], contact);
-            let arm = DVec2::splat(ball.radius + *reach);
-            let low = (ball.position - arm) * *density - EDGE;
-            let high = (ball.position + arm) * *density + EDGE;
-            for row in span(low.y, high.y, *rows) {
-                for column in span(low.x, high.x, *columns) {
-                    let cell = (row % *rows) * *columns + column % *columns;
-                    compare(ball, &sorted[starts[cell] as usize..starts[cell + 1] as usize], contact);
-                }
+        for (at, ball) in self.large.iter().enumerate() {
+            compare(ball, &self.large[at + 1..], contact);
+            self.reached(ball.position, ball.radius, |others| compare(ball, others, contact));
+        }
+    }
+
+    /// Calls `visit` with each disc of the last search that may touch one of `radius` about `centre`, and others.
+    pub(super) fn for_each_near(&self, centre: DVec2, radius: f64, mut visit: impl FnMut(u32)) {
+        let mut visit_all = |entries: &[Entry]| entries.iter().for_each(|entry| visit(entry.index));
+        visit_all(&self.large);
+        self.reached(centre, radius, visit_all);
+    }
+
+    /// Calls `visit` with the discs of each cell that one of `radius` about `centre` reaches.
+    fn reached(&self, centre: DVec2, radius: f64, mut visit: impl FnMut(&[Entry])) {
+        let Self { density, columns, rows, reach, starts, sorted, .. } = self;
+        let arm = DVec2::splat(radius + *reach);
+        let low = (centre - arm) * *density - EDGE;
+        let high = (centre + arm) * *density + EDGE;
+        for row in span(low.y, high.y, *rows) {
+            for column in span(low.x, high.x, *columns) {
+                let cell = (row % *rows) * *columns + column % *columns;
+                visit(&sorted[starts[cell] as usize..starts[cell + 1] as usize]);
             }
         }
     }

@@ -6,7 +6,8 @@
 use glam::DVec2;
 
 use super::super::grid::{Disc, Grid, touch};
-use super::order::{Heights, Kept};
+use super::order::{Heights, Kept, Links};
+use super::sleep::Rest;
 use super::{Body, Setting};
 
 /// A ball may go so much of its radius, whatever its speed, before pairs are searched anew.
@@ -16,7 +17,7 @@ const HORIZON: f64 = 3.0;
 /// The same for few balls, all pairs of which are soon compared.
 const FEW_HORIZON: f64 = 6.0;
 /// The most balls for which comparing all pairs is cheaper than keeping a grid.
-const FEW: usize = 40;
+pub(super) const FEW: usize = 40;
 /// Balls are put in the order of their places once in so many searches.
 const SEARCHES_PER_ORDER: u32 = 16;
 /// Cells are made anew where discs have become larger or smaller than those that they were made for by this factor.
@@ -31,16 +32,29 @@ pub(super) struct Near {
     pub(super) holds: Vec<Hold>,
     /// For each of these, whether they pressed on each other, or met, in the last substep.
     pub(super) held: Vec<bool>,
+    /// For each pair, whether nothing moves either of its balls.
+    pub(super) idle: Vec<bool>,
     /// Balls that may touch a wall.
     pub(super) beside: Vec<Beside>,
+    /// How many of them the search found, in the order of the balls; others were added since.
+    found_beside: usize,
     pub(super) homes: Vec<Home>,
-    /// Whether a ball was kept from going where it is not covered.
-    pub(super) stale: bool,
-    discs: Vec<Reach>,
-    grid: Option<(Grid, f64)>,
+    /// Balls that were kept from going where they are not covered.
+    pub(super) strays: Vec<u32>,
+    /// Whether pairs are looked for.
+    pub(super) seeks_pairs: bool,
+    /// How many pairs the search found; others were added since.
+    pub(super) found: usize,
+    /// Balls that were covered anew since the search.
+    pub(super) moved: Vec<u32>,
+    pub(super) discs: Vec<Reach>,
+    pub(super) grid: Option<(Grid, f64)>,
+    /// The root mean square of all speeds at the search, px/s.
+    usual: f64,
     searches: u32,
     kept: Kept,
     heights: Heights,
+    pub(super) links: Links,
 }
 
 /// Two balls that may touch.
@@ -72,6 +86,14 @@ impl Hold {
         Self { impulse: 0.0, normal: DVec2::ZERO, grip: DVec2::ZERO, least: 0.0, met: false, mass: 0.0 };
 }
 
+/// What holds a ball in a substep, px/s.
+pub(super) struct Given {
+    /// The sum.
+    pub(super) velocity: DVec2,
+    /// The sum of the sizes, whatever their directions.
+    pub(super) pressed: f64,
+}
+
 /// A ball that may touch a wall.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Beside {
@@ -83,8 +105,8 @@ pub(super) struct Beside {
 /// Where a ball was at the last search, and how far from there it is covered, px.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Home {
-    position: DVec2,
-    reach: f64,
+    pub(super) position: DVec2,
+    pub(super) reach: f64,
 }
 
 impl Home {
@@ -101,9 +123,9 @@ impl Home {
 
 /// The disc that a ball stays in while it is covered.
 #[derive(Debug, Clone, Copy)]
-struct Reach {
-    centre: DVec2,
-    radius: f64,
+pub(super) struct Reach {
+    pub(super) centre: DVec2,
+    pub(super) radius: f64,
 }
 
 impl Disc for Reach {
@@ -122,37 +144,86 @@ pub(super) struct Cargo<'a> {
     pub(super) restitutions: &'a mut Vec<f64>,
     pub(super) ids: &'a mut Vec<u32>,
     pub(super) hit: &'a mut Vec<bool>,
+    pub(super) rests: &'a mut Vec<Rest>,
     /// Where they were a substep ago; empty where that is not needed.
     pub(super) before: &'a mut Vec<(DVec2, DVec2)>,
 }
 
 impl Near {
-    /// Whether all balls stay covered in a substep in which nothing hits them.
-    pub(super) fn covers(&self, bodies: &[Body], substep: f64) -> bool {
-        // No early exit: a search is rare, and without one this loop is straight.
-        !self.stale
-            && self.homes.len() == bodies.len()
-            && self.homes.iter().zip(bodies).fold(true, |covered, (home, body)| {
-                covered & home.covers(body.position + body.velocity * substep)
-            })
-    }
-
     /// Searches anew.
     pub(super) fn search(&mut self, mut cargo: Cargo<'_>, setting: &Setting, pairs: bool) {
         if self.searches % SEARCHES_PER_ORDER == 1 {
             self.put_in_order(&mut cargo);
         }
         self.searches += 1;
-        self.stale = false;
+        self.seeks_pairs = pairs;
+        self.moved.clear();
+        self.strays.clear();
+        self.links.clear();
         let bodies: &[Body] = cargo.bodies;
         self.kept.take(&self.pairs, &self.holds, &self.beside, bodies.len());
         self.find_homes(bodies, setting);
         if setting.walls.is_some() {
-            self.find_walls(bodies, setting);
+            self.find_walls(bodies, cargo.rests, setting);
         }
         if pairs {
-            self.find_pairs(bodies, setting);
+            self.find_pairs(bodies, cargo.rests, setting);
         }
+        self.found = self.pairs.len();
+    }
+
+    /// Finds the mass of a pair anew, and whether it is idle.
+    #[inline]
+    pub(super) fn weigh(&mut self, at: usize, bodies: &[Body]) {
+        let pair = self.pairs[at];
+        let give = bodies[pair.first as usize].inverse_mass + bodies[pair.second as usize].inverse_mass;
+        self.idle[at] = give == 0.0;
+        if let Some(hold) = self.holds.get_mut(at) {
+            hold.mass = give.recip();
+        }
+    }
+
+    /// The same for all pairs of a ball, which must be linked.
+    pub(super) fn weigh_pairs_of(&mut self, body: u32, bodies: &[Body]) {
+        let mut link = self.links.last(body);
+        while let Some(at) = link {
+            self.weigh(at.pair(), bodies);
+            link = self.links.before(at);
+        }
+    }
+
+    /// What others and walls give a ball of this inverse mass in a substep. Its pairs must be linked.
+    pub(super) fn given(&self, body: u32, inverse_mass: f64) -> Given {
+        let mut given = Given { velocity: DVec2::ZERO, pressed: 0.0 };
+        for at in self.pairs_of(body) {
+            let hold = &self.holds[at];
+            let push = (hold.normal * hold.impulse + hold.grip) * inverse_mass;
+            given.velocity += if self.pairs[at].first == body { push } else { -push };
+            given.pressed += hold.impulse * inverse_mass;
+        }
+        if let Some(at) = self.place_beside(body) {
+            given.velocity += self.beside[at].push;
+            given.pressed += self.beside[at].push.length();
+        }
+        given
+    }
+
+    /// Links each of so many balls to its pairs, as far as they are not linked yet.
+    pub(super) fn link_pairs(&mut self, count: usize) {
+        self.links.link(&self.pairs, count);
+    }
+
+    /// The places of a ball's pairs, as far as they are linked.
+    #[inline]
+    pub(super) fn pairs_of(&self, body: u32) -> impl Iterator<Item = usize> {
+        self.links.of(body)
+    }
+
+    /// The place of a ball among those beside walls, if it is one of them.
+    pub(super) fn place_beside(&self, body: u32) -> Option<usize> {
+        let (found, more) = self.beside.split_at(self.found_beside);
+        let place = found.binary_search_by_key(&body, |beside| beside.body).ok();
+        place.or_else(|| Some(found.len() + more.iter().position(|beside| beside.body == body)?))
     }
 
     /// Gives balls anew what holds them: pairs that are not near any more hold nothing.
@@ -167,68 +238,46 @@ impl Near {
             bodies[second].velocity -= push * bodies[second].inverse_mass;
         }
         for beside in &self.beside {
-            bodies[beside.body as usize].velocity += beside.push;
-        }
-    }
-
-    /// Covers a ball that was hit so that it goes as far as `end` in this substep, if it is not covered there. Whether
-    /// that has found new pairs.
-    pub(super) fn widen(&mut self, at: usize, end: DVec2, bodies: &[Body], rests: bool) -> bool {
-        let Self { pairs, holds, held, homes, .. } = self;
-        let far = end.distance(homes[at].position);
-        if far <= homes[at].reach {
-            return false;
-        }
-        let before = pairs.len();
-        let was = homes[at].reach;
-        // Twice as far, since it may be hit again.
-        homes[at].reach = 2.0 * far;
-        let home = homes[at];
-        for (other, (body, its)) in bodies.iter().zip(&*homes).enumerate() {
-            let reach = bodies[at].radius + body.radius + its.reach;
-            let distance = its.position.distance(home.position);
-            let give = bodies[at].inverse_mass + body.inverse_mass;
-            if other != at && give > 0.0 && distance <= reach + home.reach && distance > reach + was {
-                pairs.push(Pair { first: at as u32, second: other as u32 });
-                if rests {
-                    holds.push(Hold { mass: give.recip(), ..Hold::NONE });
-                    held.push(false);
-                }
+            let body = &mut bodies[beside.body as usize];
+            if body.inverse_mass > 0.0 {
+                body.velocity += beside.push;
             }
         }
-        pairs.len() > before
     }
 
     fn find_homes(&mut self, bodies: &[Body], setting: &Setting) {
-        let horizon = if bodies.len() <= FEW { FEW_HORIZON } else { HORIZON };
-        let time = horizon * setting.substep;
         let squares: f64 = bodies.iter().map(|body| body.velocity.length_squared()).sum();
-        let usual = (squares / bodies.len() as f64).sqrt();
-        let fall = 0.5 * horizon * time * setting.kick.length();
+        self.usual = (squares / bodies.len() as f64).sqrt();
+        let cover = self.cover(bodies.len(), setting);
         self.homes.clear();
-        self.homes.extend(bodies.iter().map(|body| {
-            let reach = if body.inverse_mass > 0.0 {
-                body.velocity.length().max(usual) * time + fall + SKIN * body.radius
-            } else {
-                0.0
-            };
-            Home { position: body.position, reach }
-        }));
+        self.homes.extend(bodies.iter().map(cover));
     }
 
-    fn find_walls(&mut self, bodies: &[Body], setting: &Setting) {
-        self.beside.clear();
-        for (at, (body, home)) in bodies.iter().zip(&self.homes).enumerate() {
-            let arm = DVec2::splat(body.radius + home.reach);
-            let clear = home.position.cmpgt(arm) & home.position.cmplt(setting.size - arm);
-            if !clear.all() && body.inverse_mass > 0.0 {
-                self.beside.push(Beside { body: at as u32, push: self.kept.by_wall(at) });
-            }
+    /// How each of so many balls is covered where it is now.
+    pub(super) fn cover(&self, count: usize, setting: &Setting) -> impl Fn(&Body) -> Home + use<> {
+        let horizon = if count <= FEW { FEW_HORIZON } else { HORIZON };
+        let (time, usual) = (horizon * setting.substep, self.usual);
+        let fall = 0.5 * horizon * time * setting.kick.length();
+        move |body| {
+            let moves = body.inverse_mass > 0.0;
+            let far = if moves { body.velocity.length().max(usual) * time + fall } else { 0.0 };
+            Home { position: body.position, reach: far + SKIN * body.radius }
         }
     }
 
+    fn find_walls(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting) {
+        self.beside.clear();
+        for (at, (body, home)) in bodies.iter().zip(&self.homes).enumerate() {
+            let clear = is_clear(home.position, body.radius + home.reach, setting.size);
+            if !clear && rests[at].weight > 0.0 {
+                self.beside.push(Beside { body: at as u32, push: self.kept.by_wall(at) });
+            }
+        }
+        self.found_beside = self.beside.len();
+    }
+
     #[inline]
-    fn find_pairs(&mut self, bodies: &[Body], setting: &Setting) {
+    fn find_pairs(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting) {
         self.discs.clear();
         self.discs.extend(
             bodies
@@ -236,7 +285,7 @@ impl Near {
                 .zip(&self.homes)
                 .map(|(body, home)| Reach { centre: home.position, radius: body.radius + home.reach }),
         );
-        let Self { grid, pairs, holds, held, kept, heights, discs, .. } = self;
+        let Self { grid, pairs, holds, held, idle, kept, heights, discs, .. } = self;
         if discs.len() <= FEW {
             pairs.clear();
             for (i, one) in discs.iter().enumerate() {
@@ -256,13 +305,16 @@ impl Near {
             };
             grid.collect(discs, pairs, |first, second| Pair { first, second });
         }
-        let fixed = |at: u32| bodies[at as usize].inverse_mass == 0.0;
-        if bodies.iter().any(|body| body.inverse_mass == 0.0) {
+        let fixed = |at: u32| rests[at as usize].weight == 0.0;
+        if rests.iter().any(|rest| rest.weight == 0.0) {
             pairs.retain(|pair| !(fixed(pair.first) && fixed(pair.second)));
         }
         if setting.kick != DVec2::ZERO {
             heights.sort(pairs, bodies, -setting.kick.normalize_or_zero());
         }
+        let moves = |at: u32| bodies[at as usize].inverse_mass > 0.0;
+        idle.clear();
+        idle.extend(pairs.iter().map(|pair| !moves(pair.first) && !moves(pair.second)));
         if setting.rests {
             holds.clear();
             holds.extend(pairs.iter().map(|pair| {
@@ -296,6 +348,13 @@ impl Near {
     }
 }
 
+/// Whether a disc lies clear of all walls.
+#[inline]
+pub(super) fn is_clear(centre: DVec2, radius: f64, size: DVec2) -> bool {
+    let arm = DVec2::splat(radius);
+    (centre.cmpgt(arm) & centre.cmplt(size - arm)).all()
+}
+
 impl Cargo<'_> {
     fn permute(&mut self, order: &[u32]) {
         fn permuted<T: Copy>(items: &[T], order: &[u32]) -> Vec<T> {
@@ -305,6 +364,7 @@ impl Cargo<'_> {
         *self.restitutions = permuted(self.restitutions, order);
         *self.ids = permuted(self.ids, order);
         *self.hit = permuted(self.hit, order);
+        *self.rests = permuted(self.rests, order);
         if !self.before.is_empty() {
             *self.before = permuted(self.before, order);
         }

@@ -1,282 +1,278 @@
-//! Balls that meet in a substep exchange momentum at their time of impact.
+//! Balls that meet in a substep exchange momentum at their time of impact, in the order of these times.
 //!
 //! Each impulse follows Newton's law of restitution for one pair and takes energy or keeps it, so however many there are,
-//! and in whatever order, energy never rises. A ball that was hit at time τ goes on from a place from which it would have
-//! started to be where it was at τ: later impacts of the same substep, and its end, come out right.
+//! energy never rises. A ball that was hit at time τ goes on from a place from which it would have started to be where it
+//! was at τ: later impacts of the same substep, and its end, come out right.
+//!
+//! A ball that was hit a few times in a substep is left to what supports it. A fast one could go through others then, so
+//! it may be hit much more often, and where that is not enough, the substep ends for all fast balls there and then
+//! (continuous collision detection): they lose time, never their speed, and go through nothing.
 
-use glam::DVec2;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 
-use super::fast::Fast;
-use super::find::{Beside, Near};
-use super::{Body, Contact, Setting, Tally};
+use super::meeting::{Stage, may_meet};
+use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
+use super::{Body, Contact, SHIFT, Setting, Tally};
 
-/// Rounds in which balls that were hit may hit others in the same substep.
-const ROUNDS: u32 = 8;
-/// Bounces of a ball on a wall in one substep.
-const BOUNCES: u32 = 32;
-/// A ball whose next hop on a wall lasts less than this part of a substep rests there.
-const SHORTEST_HOP: f64 = 1.0 / 64.0;
-/// A ball that an impact shifts by less than this part of its radius counts as not shifted.
-const SHIFT: f64 = 0.02;
-/// Centres closer than this, px, have no direction to meet along.
-const COINCIDENT: f64 = 1e-150;
+/// Impacts of a ball in one substep, at most.
+const MOST: u32 = 32;
+/// The same of a fast ball.
+const MOST_FAST: u32 = 256;
+/// A ball that goes farther in a substep than so many times its radius is fast.
+const FAST: f64 = 1.0;
 
 /// What is known of the bodies' impacts in a substep.
 #[derive(Debug, Default)]
 pub(super) struct Course {
-    /// In which round each body was last hit, from 1.
-    rounds: Vec<u32>,
+    /// When each body was last hit, s after the substep's beginning, and how often it was.
+    times: Vec<f64>,
+    hits: Vec<u32>,
     /// Bodies too slow to hit firmly those that they press on.
     slow: Vec<bool>,
+    /// Bodies that are fast, and whether there are any.
+    fast: Vec<bool>,
+    any_fast: bool,
+    /// Whether a fast one was hit so often that the substep ends for all of them.
+    exhausted: bool,
+    /// Whether it has.
+    ended: bool,
     /// Bodies that were hit after the substep's beginning: until its end they stand where they would have come from.
     pub(super) shifted: Vec<bool>,
-    pub(super) fast: Fast,
+    /// The same for those that are fast, or were hit by a fast one: that is far away.
+    pub(super) far: Vec<bool>,
+    queue: BinaryHeap<Event>,
+}
+
+/// An impact that is foreseen, while both bodies have been hit so often.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Event {
+    /// s after the substep's beginning.
+    time: f64,
+    what: What,
+    hits: (u32, u32),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum What {
+    /// The ball at this place beside the walls reaches one.
+    Wall(u32),
+    /// This fast body meets a wall across this axis.
+    FastWall(u32, u8),
+    /// The pair of this place meets.
+    Pair(u32),
+}
+
+impl Eq for Event {}
+
+impl Ord for Event {
+    /// The earliest is the greatest; those at one time come in the order of their places.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.time.total_cmp(&self.time).then_with(|| other.what.cmp(&self.what))
+    }
+}
+
+impl PartialOrd for Event {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
 }
 
 impl Contact {
     /// All impacts of a substep.
     pub(super) fn impacts(&mut self, tally: &mut Tally) {
-        let Self { setting, bodies, restitutions, near: Some(near), hit, course, .. } = self else { return };
+        let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, .. } = self else {
+            return;
+        };
         if near.pairs.is_empty() && near.beside.is_empty() {
             return;
         }
-        let Course { rounds, slow, shifted, fast } = course;
-        if fast.find(setting, bodies) {
-            fast.impacts(setting, bodies, restitutions, near, hit, tally);
+        let stage = &mut Stage { setting, bodies, restitutions, rests, near, hit, tally };
+        course.begin(stage);
+        course.foresee_all(stage);
+        if !course.queue.is_empty() {
+            stage.near.link_pairs(stage.bodies.len());
         }
-        shifted.clear();
-        shifted.resize(bodies.len(), false);
-        rounds.clear();
-        rounds.resize(bodies.len(), 0);
+        while let Some(event) = course.queue.pop() {
+            if course.exhausted && !course.ended {
+                course.end_fast(stage, event.time);
+            }
+            course.take(event, stage);
+        }
+    }
+}
+
+impl Course {
+    fn begin(&mut self, stage: &Stage<'_>) {
+        let Stage { setting, bodies, .. } = stage;
+        let Self { times, hits, slow, fast, shifted, far, .. } = self;
+        times.clear();
+        times.resize(bodies.len(), 0.0);
+        hits.clear();
+        hits.resize(bodies.len(), 0);
+        for flags in [&mut *shifted, far] {
+            flags.clear();
+            flags.resize(bodies.len(), false);
+        }
         let firm = 0.25 * setting.firm * setting.firm;
         slow.clear();
         slow.extend(bodies.iter().map(|body| body.velocity.length_squared() < firm));
-        let Near { pairs, holds, held, beside, .. } = near;
-        for round in 1..=ROUNDS {
-            for beside in &*beside {
-                let body = beside.body as usize;
-                if (round == 1 || rounds[body] == round - 1) && !fast.has(body) {
-                    shifted[body] |= meet_walls(setting, &mut bodies[body], beside, tally);
-                }
+        fast.clear();
+        fast.extend(bodies.iter().map(|body| is_fast(setting, body)));
+        self.any_fast = fast.contains(&true);
+        (self.exhausted, self.ended) = (false, false);
+        self.queue.clear();
+    }
+
+    /// Foresees impacts from the substep's beginning.
+    #[inline]
+    fn foresee_all(&mut self, stage: &Stage<'_>) {
+        for at in 0..stage.near.beside.len() {
+            self.foresee_wall(stage, at);
+        }
+        if self.any_fast {
+            for body in 0..stage.bodies.len() {
+                self.foresee_fast_wall(stage, body);
             }
-            let mut any = false;
-            for (at, pair) in pairs.iter().enumerate() {
-                let (i, j) = (pair.first as usize, pair.second as usize);
-                if round > 1 && rounds[i].max(rounds[j]) < round - 1 {
-                    continue;
+        }
+        for at in 0..stage.near.pairs.len() {
+            self.foresee_pair(stage, at);
+        }
+    }
+
+    /// Foresees the impacts of a body that was hit.
+    fn foresee(&mut self, stage: &Stage<'_>, body: usize) {
+        if self.fast[body] {
+            self.foresee_fast_wall(stage, body);
+        } else if self.hits[body] < MOST
+            && let Some(at) = stage.near.place_beside(body as u32)
+        {
+            self.foresee_wall(stage, at);
+        }
+        for at in stage.near.pairs_of(body as u32) {
+            self.foresee_pair(stage, at);
+        }
+    }
+
+    #[inline]
+    fn foresee_wall(&mut self, stage: &Stage<'_>, at: usize) {
+        let body = stage.near.beside[at].body as usize;
+        if !self.fast[body]
+            && stage.bodies[body].inverse_mass > 0.0
+            && let Some(time) = reaches_wall(stage.setting, &stage.bodies[body])
+        {
+            let (time, hits) = (time.max(self.times[body]), (self.hits[body], 0));
+            self.queue.push(Event { time, what: What::Wall(at as u32), hits });
+        }
+    }
+
+    #[inline]
+    fn foresee_fast_wall(&mut self, stage: &Stage<'_>, body: usize) {
+        if self.fast[body]
+            && !self.ended
+            && let Some((time, axis)) = first_wall(stage.setting, &stage.bodies[body], self.times[body])
+        {
+            let hits = (self.hits[body], 0);
+            self.queue.push(Event { time, what: What::FastWall(body as u32, axis as u8), hits });
+        }
+    }
+
+    #[inline]
+    fn foresee_pair(&mut self, stage: &Stage<'_>, at: usize) {
+        let Stage { setting, bodies, near, .. } = stage;
+        let (i, j) = stage.pair(at as u32);
+        let held = near.held.get(at) == Some(&true);
+        if near.idle[at]
+            || (held && self.slow[i] && self.slow[j])
+            || !may_meet(setting, &bodies[i], &bodies[j])
+        {
+            return;
+        }
+        let fast = self.fast[i] || self.fast[j];
+        let enough = if fast { self.ended } else { self.hits[i].max(self.hits[j]) >= MOST };
+        if !enough && let Some(meeting) = stage.meeting(at as u32, self.times[i].max(self.times[j])) {
+            let hits = (self.hits[i], self.hits[j]);
+            self.queue.push(Event { time: meeting.time, what: What::Pair(at as u32), hits });
+        }
+    }
+
+    /// Takes an impact, if none came between.
+    fn take(&mut self, Event { time, what, hits }: Event, stage: &mut Stage<'_>) {
+        match what {
+            What::Pair(at) => {
+                let (i, j) = stage.pair(at);
+                let fast = self.fast[i] || self.fast[j];
+                if hits != (self.hits[i], self.hits[j]) || (fast && self.ended) {
+                    return;
                 }
-                let held = held.get(at) == Some(&true);
-                if (held && slow[i] && slow[j]) || fast.has(i) || fast.has(j) {
-                    continue;
-                }
-                // Slow ones are taken in any order: what an impact does to the past of a ball is less than what another will
-                // do to its future.
-                let since = fast.since(i, j);
-                let Some(meeting) = Meeting::of(setting, &bodies[i], &bodies[j], held, since) else {
-                    continue;
-                };
-                meeting.exchange(bodies, (i, j), restitutions[i].min(restitutions[j]));
-                if let Some(hold) = holds.get_mut(at) {
-                    hold.met |= meeting.time > 0.0;
-                }
-                tally.impacts += u64::from(meeting.speed > setting.rest_speed);
+                let Some(meeting) = stage.meeting(at, self.times[i].max(self.times[j])) else { return };
+                stage.exchange(at, &meeting);
                 for body in [i, j] {
-                    hit[body] = true;
-                    shifted[body] |= meeting.time * meeting.speed > SHIFT * bodies[body].radius;
-                    rounds[body] = round;
-                    slow[body] = false;
+                    self.shifted[body] |= meeting.time * meeting.speed > SHIFT * stage.bodies[body].radius;
+                    self.slow[body] = false;
+                    self.note(stage, body, time);
+                    self.far[body] |= fast;
                 }
-                any = true;
+                for body in [i, j] {
+                    self.foresee(stage, body);
+                }
             }
-            if !any {
-                break;
+            What::Wall(at) => {
+                let beside = stage.near.beside[at as usize];
+                let body = beside.body as usize;
+                if hits.0 == self.hits[body]
+                    && let Some(met) =
+                        meet_walls(stage.setting, &mut stage.bodies[body], &beside, stage.tally)
+                {
+                    self.shifted[body] |= met.shifts;
+                    let time = met.time.max(self.times[body]);
+                    self.note(stage, body, time);
+                    self.foresee(stage, body);
+                }
             }
+            What::FastWall(body, axis) => {
+                let body = body as usize;
+                if hits.0 == self.hits[body] && !self.ended {
+                    bounce_off(stage.setting, &mut stage.bodies[body], usize::from(axis), time, stage.tally);
+                    self.note(stage, body, time);
+                    self.foresee(stage, body);
+                }
+            }
+        }
+    }
+
+    /// Notes that a body was hit, and looks for more pairs where it now goes farther than was looked for.
+    fn note(&mut self, stage: &mut Stage<'_>, at: usize, time: f64) {
+        let Stage { setting, bodies, near, .. } = stage;
+        self.hits[at] += 1;
+        self.times[at] = time;
+        self.far[at] |= self.fast[at];
+        self.fast[at] = is_fast(setting, &bodies[at]);
+        self.far[at] |= self.fast[at];
+        if self.fast[at] && self.ended {
+            end(setting, &mut bodies[at], time);
+        }
+        self.exhausted |= self.fast[at] && self.hits[at] >= MOST_FAST;
+        if near.widen(at, bodies[at].end(setting.substep), bodies, setting) {
+            near.link_pairs(bodies.len());
+        }
+    }
+
+    /// Ends the substep at `time` for all fast balls.
+    fn end_fast(&mut self, stage: &mut Stage<'_>, time: f64) {
+        self.ended = true;
+        for (body, _) in stage.bodies.iter_mut().zip(&self.fast).filter(|&(_, &fast)| fast) {
+            end(stage.setting, body, time);
         }
     }
 }
 
-/// Two balls meeting in a substep.
-pub(super) struct Meeting {
-    /// When, s after the substep's beginning.
-    pub(super) time: f64,
-    /// Where the first is then, seen from the second, px.
-    distance: DVec2,
-    length: f64,
-    /// Speed of approach, px/s.
-    pub(super) speed: f64,
+/// Ends a body's substep at `time`.
+fn end(setting: &Setting, body: &mut Body, time: f64) {
+    body.position -= body.velocity * (setting.substep - time);
 }
 
-impl Meeting {
-    /// `None` where they do not meet in this substep after `since`.
-    #[inline]
-    pub(super) fn of(setting: &Setting, first: &Body, second: &Body, held: bool, since: f64) -> Option<Self> {
-        let distance = first.position - second.position;
-        let velocity = first.velocity - second.velocity;
-        let closing = distance.dot(velocity);
-        let reach = first.radius + second.radius;
-        let gap = distance.length_squared() - reach * reach;
-        // The squared distance lies above its tangent. Whether balls close in cannot be foreseen, so it is asked of few.
-        if gap + 2.0 * closing.min(0.0) * setting.substep > 0.0 {
-            return None;
-        }
-        if closing >= 0.0 || (held && -closing < setting.firm * reach) {
-            return None;
-        }
-        // From where they are when the later one was hit.
-        let distance = distance + velocity * since;
-        let closing = distance.dot(velocity);
-        let gap = distance.length_squared() - reach * reach;
-        let wait = if gap <= 0.0 {
-            0.0
-        } else {
-            let discriminant = closing * closing - velocity.length_squared() * gap;
-            if discriminant < 0.0 || closing >= 0.0 {
-                return None;
-            }
-            gap / (discriminant.sqrt() - closing)
-        };
-        let time = since + wait;
-        if time > setting.substep {
-            return None;
-        }
-        let distance = distance + velocity * wait;
-        // By the velocity at the time of impact, or, where they pressed on each other before, by that without what presses
-        // them together now; but by no more than the mean velocity in the substep, in which what they were given already
-        // counts: none may give more than it finds.
-        let change = first.change(setting.kick) - second.change(setting.kick);
-        let then = velocity + change * if held { -1.0 } else { time / setting.substep - 0.5 };
-        let closing = distance.dot(velocity).max(distance.dot(then));
-        let length = distance.length();
-        if closing >= 0.0 || length < COINCIDENT {
-            return None;
-        }
-        Some(Self { time, distance, length, speed: -closing / length })
-    }
-
-    /// Gives both their impulse.
-    #[inline]
-    pub(super) fn exchange(&self, bodies: &mut [Body], (first, second): (usize, usize), e: f64) {
-        let (one, other) = (bodies[first].inverse_mass, bodies[second].inverse_mass);
-        let change = self.distance * ((1.0 + e) * self.speed / ((one + other) * self.length));
-        strike(&mut bodies[first], change * one, self.time);
-        strike(&mut bodies[second], -change * other, self.time);
-    }
-}
-
-/// A sudden change of velocity, at a time of the substep.
-#[inline]
-pub(super) fn strike(body: &mut Body, change: DVec2, time: f64) {
-    body.velocity += change;
-    body.free += change;
-    body.position -= change * time;
-}
-
-/// Bounces a ball off the walls that it meets in this substep. Whether that shifted it.
-fn meet_walls(setting: &Setting, body: &mut Body, beside: &Beside, tally: &mut Tally) -> bool {
-    let Some(e) = setting.walls else { return false };
-    let mut met = false;
-    let end = body.position + body.velocity * setting.substep;
-    let (low, high) = (DVec2::splat(body.radius), setting.size - body.radius);
-    for axis in 0..2 {
-        let (gap, side) = if end[axis] < low[axis] {
-            (body.position[axis] - low[axis], 1.0)
-        } else if end[axis] > high[axis] {
-            (high[axis] - body.position[axis], -1.0)
-        } else {
-            continue;
-        };
-        let change = body.change(setting.kick)[axis];
-        // In closed form only where nothing but gravity acts on it.
-        let rests = side * beside.push[axis] > 0.0;
-        let lone = !rests && body.velocity == body.free;
-        if rests && -side * body.velocity[axis] < setting.firm {
-            continue;
-        }
-        let (acceleration, start) = if lone {
-            (change / setting.substep, body.velocity[axis] - 0.5 * change)
-        } else if rests {
-            (0.0, body.velocity[axis])
-        } else {
-            let (mean, first) = (body.velocity[axis], body.velocity[axis] - 0.5 * change);
-            (0.0, if side * first > side * mean { first } else { mean })
-        };
-        let hop = Hop { height: gap, speed: side * start, acceleration: side * acceleration };
-        let landed = hop.bounce(setting.substep, e);
-        // What it would have been, had nothing held it.
-        let velocity = match landed.at {
-            Some(at) if lone => side * at.speed - 0.5 * change,
-            Some(at) => side * at.speed,
-            None => change,
-        };
-        let height = landed.at.map_or(0.0, |at| at.height);
-        let wall = if side > 0.0 { low[axis] } else { high[axis] };
-        body.position[axis] = wall + side * height - velocity * setting.substep;
-        let given = velocity - body.velocity[axis];
-        body.velocity[axis] += given;
-        body.free[axis] += given;
-        if landed.fastest > setting.rest_speed {
-            tally.wall_hits += u64::from(landed.bounces);
-        }
-        tally.wall_impulse[axis] += side * landed.impulse / body.inverse_mass;
-        met |= landed.fastest * setting.substep > SHIFT * body.radius;
-    }
-    met
-}
-
-/// A ball above a wall, along one axis; up is away from the wall.
-#[derive(Debug, Clone, Copy)]
-struct Hop {
-    height: f64,
-    speed: f64,
-    acceleration: f64,
-}
-
-/// What came of a ball's bounces on a wall.
-struct Landed {
-    /// Its state at the end; `None` where it rests on the wall.
-    at: Option<Hop>,
-    bounces: u32,
-    /// The fastest of them, px/s.
-    fastest: f64,
-    /// The sum of the changes of velocity, px/s.
-    impulse: f64,
-}
-
-impl Hop {
-    /// Follows the ball for `time` s in closed form, through all its bounces.
-    fn bounce(mut self, time: f64, e: f64) -> Landed {
-        let (mut left, mut bounces, mut fastest, mut impulse) = (time, 0, 0.0_f64, 0.0);
-        self.height = self.height.max(0.0);
-        loop {
-            let Self { height, speed, acceleration } = self;
-            let squared = speed * speed - 2.0 * acceleration * height;
-            let lands = (speed < 0.0 || acceleration < 0.0) && squared >= 0.0;
-            let arrival = squared.max(0.0).sqrt();
-            // Each form where it subtracts nothing.
-            let wait = if speed <= 0.0 {
-                2.0 * height / (arrival - speed)
-            } else {
-                -(speed + arrival) / acceleration
-            };
-            // 0/0 where it lies on the wall without speed.
-            let wait = if wait.is_nan() { 0.0 } else { wait };
-            if !lands || wait >= left || wait < 0.0 {
-                let at = Self {
-                    height: (height + left * (speed + 0.5 * acceleration * left)).max(0.0),
-                    speed: speed + acceleration * left,
-                    acceleration,
-                };
-                return Landed { at: Some(at), bounces, fastest, impulse };
-            }
-            left -= wait;
-            bounces += 1;
-            fastest = fastest.max(arrival);
-            impulse += (1.0 + e) * arrival;
-            self = Self { height: 0.0, speed: e * arrival, acceleration };
-            let short = 2.0 * self.speed <= -acceleration * SHORTEST_HOP * time;
-            if short || bounces == BOUNCES {
-                return Landed { at: None, bounces, fastest, impulse };
-            }
-        }
-    }
+fn is_fast(setting: &Setting, body: &Body) -> bool {
+    let far = FAST * body.radius / setting.substep;
+    body.velocity.length_squared() > far * far
 }

@@ -3,18 +3,21 @@
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`);
-//! 3. balls that meet exchange momentum at their time of impact (`impacts`; `fast` for those that could go through others);
+//! 3. balls that meet exchange momentum at their time of impact (`impacts`, `meeting`, `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps (`support`);
 //! 5. balls move (`Contact::travel`).
 //!
 //! Velocities are those half-way between two positions (leapfrog), so that a ball at rest has none. Frames evaluate the
 //! substeps and never write back, so the result does not depend on how time is cut into frames.
 
-mod fast;
+mod cover;
 mod find;
 mod impacts;
+mod meeting;
 mod order;
+mod sleep;
 mod support;
+mod walls;
 
 use glam::DVec2;
 
@@ -22,9 +25,10 @@ use super::ball::Ball;
 use super::clock::Clock;
 use super::grid::Grid;
 use super::world::{Pairs, World};
-use super::{Advance, Frame, Part, Tally};
+use super::{Advance, Frame, Part, Tally, Tuning};
 use find::{Cargo, Near};
 use impacts::Course;
+use sleep::Rest;
 
 /// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; a multiple of that where gravity is strong.
 const RATE: u32 = 240;
@@ -36,6 +40,9 @@ const MOST_SHORTENED: f64 = 1024.0;
 
 /// A pair that holds each other bounces only where it meets faster than so many kicks of gravity.
 const FIRM: f64 = 2.0;
+
+/// A ball that an impact shifts by less than this part of its radius counts as not shifted.
+const SHIFT: f64 = 0.02;
 
 /// A ball as the solver moves it: one cache line.
 #[derive(Debug, Clone, Copy)]
@@ -63,6 +70,12 @@ impl Body {
             inverse_mass: ball.mass.recip(),
             radius: ball.radius,
         }
+    }
+
+    /// Where it is at the end of a substep.
+    #[inline]
+    fn end(&self, substep: f64) -> DVec2 {
+        self.position + self.velocity * substep
     }
 
     /// By what gravity and supports change its velocity from one substep to the next.
@@ -100,6 +113,14 @@ pub(super) struct Contact {
     restitutions: Vec<f64>,
     /// Which ball each body is: bodies stand in the order of their places.
     ids: Vec<u32>,
+    /// Whether each body sleeps.
+    rests: Vec<Rest>,
+    /// Whether they may.
+    sleeps: bool,
+    /// Whether all do.
+    all_asleep: bool,
+    /// Bodies asleep that others, awake, press on, or did.
+    border: Vec<u32>,
     near: Option<Near>,
     /// Whether balls notice each other.
     pairs: bool,
@@ -120,8 +141,8 @@ pub(super) struct Contact {
 }
 
 impl Contact {
-    pub(super) fn new(world: &World, balls: &[Ball], rest_speed: f64) -> Self {
-        let rate = rate(world, balls);
+    pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
+        let rate = tuning.substeps.unwrap_or_else(|| rate(world, balls));
         let substep = 1.0 / f64::from(rate);
         let kick = world.gravity.unwrap_or_default() * substep;
         let pairs = world.pairs == Some(Pairs::Impulse) && balls.len() > 1;
@@ -135,12 +156,17 @@ impl Contact {
             rests: kick != DVec2::ZERO || takes_energy,
             firm: FIRM * kick.length(),
             // Without gravity there is no chatter to be left out.
-            rest_speed: if kick == DVec2::ZERO { 0.0 } else { rest_speed },
+            rest_speed: if kick == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
         };
+        let bodies: Vec<_> = balls.iter().map(|ball| Body::new(ball, kick)).collect();
         Self {
             setting,
             rate,
-            bodies: balls.iter().map(|ball| Body::new(ball, kick)).collect(),
+            rests: bodies.iter().map(Rest::new).collect(),
+            sleeps: tuning.sleep && kick != DVec2::ZERO,
+            all_asleep: false,
+            border: Vec::new(),
+            bodies,
             restitutions: balls.iter().map(|ball| ball.restitution).collect(),
             ids: (0..balls.len() as u32).collect(),
             near: (pairs || world.walls.is_some()).then(Near::default),
@@ -168,8 +194,10 @@ impl Contact {
         self.travel();
         if self.setting.rests {
             self.relax();
+            self.wake_unbalanced();
         }
         self.steps += 1;
+        self.fall_asleep();
     }
 
     /// Gravity, and what held each ball in the last substep.
@@ -193,11 +221,11 @@ impl Contact {
     /// Looks for pairs anew where what was found no longer covers this substep.
     #[inline]
     fn find(&mut self) {
-        let Self { setting, bodies, restitutions, ids, near, pairs, hit, before, .. } = self;
+        let Self { setting, bodies, restitutions, ids, rests, near, pairs, hit, before, .. } = self;
         if let Some(near) = near
-            && !near.covers(bodies, setting.substep)
+            && !near.keep_up(bodies, setting)
         {
-            near.search(Cargo { bodies, restitutions, ids, hit, before }, setting, *pairs);
+            near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs);
             if setting.rests && setting.kick != DVec2::ZERO {
                 near.push_again(bodies);
             }
@@ -216,11 +244,11 @@ impl Contact {
                 }
             }
             Some(near) => {
-                for (body, home) in bodies.iter_mut().zip(&near.homes) {
+                for ((at, body), home) in (0..).zip(bodies.iter_mut()).zip(&near.homes) {
                     body.position += body.velocity * substep;
                     if !home.covers(body.position) {
                         body.position = home.limit(body.position);
-                        near.stale = true;
+                        near.strays.push(at);
                     }
                 }
             }
@@ -286,7 +314,7 @@ impl Contact {
     }
 }
 
-/// Substeps in a second for these balls under this gravity.
+/// Substeps in a second that suit these balls under this gravity.
 fn rate(world: &World, balls: &[Ball]) -> u32 {
     let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
     let pull = world.gravity.unwrap_or_default().length();
@@ -300,8 +328,18 @@ impl Advance for Contact {
         let (from, target) = (self.clock, self.clock.after(seconds));
         let (whole, rest) = target.steps(self.rate);
         let last = whole + u64::from(rest > 0.0);
+        if self.all_asleep && self.before.is_empty() {
+            // Nothing moves, and what was shown still stands.
+            (self.steps, self.clock) = (last, target);
+            return seconds;
+        }
         let mut stopped = false;
         while self.steps < last && !stopped {
+            if self.all_asleep {
+                self.before.clear();
+                self.steps = last;
+                break;
+            }
             self.before.clear();
             if self.steps == whole {
                 self.find_held();

@@ -74,6 +74,69 @@ fn sum_up(counts: &mut [u32]) {
     }
 }
 
+/// The pairs of each ball, as chains: a pair more is soon added.
+#[derive(Debug, Default)]
+pub(super) struct Links {
+    /// The last link of each ball's chain. A link is twice its pair's place, and one more for the second ball.
+    lasts: Vec<u32>,
+    /// For each link, the one before in its chain.
+    befores: Vec<u32>,
+}
+
+/// The beginning of a chain.
+const NO_LINK: u32 = u32::MAX;
+
+impl Links {
+    pub(super) fn clear(&mut self) {
+        self.lasts.clear();
+        self.befores.clear();
+    }
+
+    /// Links the pairs that are not linked yet, of so many balls.
+    pub(super) fn link(&mut self, pairs: &[Pair], count: usize) {
+        self.lasts.resize(count, NO_LINK);
+        for pair in &pairs[self.befores.len() / 2..] {
+            for body in [pair.first, pair.second] {
+                let link = self.befores.len() as u32;
+                self.befores.push(std::mem::replace(&mut self.lasts[body as usize], link));
+            }
+        }
+    }
+
+    /// The places of a ball's pairs.
+    #[inline]
+    pub(super) fn of(&self, body: u32) -> impl Iterator<Item = usize> {
+        std::iter::successors(self.last(body), |&link| self.before(link)).map(Link::pair)
+    }
+
+    /// The end of a ball's chain.
+    #[inline]
+    pub(super) fn last(&self, body: u32) -> Option<Link> {
+        Link::of(self.lasts[body as usize])
+    }
+
+    /// The link before, in the same chain.
+    #[inline]
+    pub(super) fn before(&self, link: Link) -> Option<Link> {
+        Link::of(self.befores[link.0 as usize])
+    }
+}
+
+/// A link in a ball's chain of pairs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Link(u32);
+
+impl Link {
+    fn of(number: u32) -> Option<Self> {
+        (number != NO_LINK).then_some(Self(number))
+    }
+
+    /// The place of its pair.
+    pub(super) fn pair(self) -> usize {
+        self.0 as usize / 2
+    }
+}
+
 /// What held balls when pairs were searched anew.
 #[derive(Debug, Default)]
 pub(super) struct Kept {
@@ -89,6 +152,7 @@ impl Kept {
         self.walls.clear();
         let pushed = beside.iter().filter(|beside| beside.push != DVec2::ZERO);
         self.walls.extend(pushed.map(|beside| (beside.body, beside.push)));
+        self.walls.sort_unstable_by_key(|&(body, _)| body);
         self.starts.clear();
         self.holds.clear();
         let held = || pairs.iter().zip(holds).filter(|(_, hold)| hold.impulse > 0.0);

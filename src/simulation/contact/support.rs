@@ -34,9 +34,11 @@ const INNER: u32 = 3;
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
-        let Self { setting, bodies, near: Some(near), touching, course, .. } = self else { return };
-        let Near { pairs, holds, held, beside, .. } = near;
-        let Course { shifted, fast, .. } = &*course;
+        let Self { setting, bodies, rests, near: Some(near), touching, border, course, .. } = self else {
+            return;
+        };
+        let Near { pairs, holds, held, idle, beside, .. } = near;
+        let Course { shifted, far, .. } = &*course;
         touching.clear();
         if setting.kick == DVec2::ZERO {
             // What held balls when they met is of no use any more.
@@ -49,15 +51,20 @@ impl Contact {
         }
         hold_on_walls(setting, bodies, beside);
         for (at, (pair, hold)) in pairs.iter().zip(&mut *holds).enumerate() {
+            if idle[at] {
+                continue;
+            }
             let (i, j) = (pair.first as usize, pair.second as usize);
             // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
-            let near = !fast.was_hit(i)
-                && !fast.was_hit(j)
-                && take_up(setting, bodies, *pair, hold, shifted[i] || shifted[j]);
+            let near = !far[i] && !far[j] && take_up(setting, bodies, *pair, hold, shifted[i] || shifted[j]);
             if near {
                 touching.push(at as u32);
             }
-            held[at] = near && (hold.met || hold.impulse > 0.0);
+            let holds = near && (hold.met || hold.impulse > 0.0);
+            if held[at] || holds {
+                border.extend([pair.first, pair.second].iter().filter(|&&body| rests[body as usize].asleep));
+            }
+            held[at] = holds;
             hold.met = false;
         }
         for &at in touching.iter().rev() {
@@ -87,6 +94,9 @@ impl Contact {
             }
         }
         for beside in &mut near.beside {
+            if bodies[beside.body as usize].inverse_mass == 0.0 {
+                continue;
+            }
             // What comes near a wall only now meets it in the next substep.
             let held = beside.push;
             let hold = |velocity: f64, push: f64| {
@@ -165,22 +175,26 @@ fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, 
     second.velocity -= more * second.inverse_mass;
     hold.normal = normal;
     hold.least = if gap > 0.0 {
-        -gap / setting.substep
-    } else if shifted && setting.kick == DVec2::ZERO {
-        // One of them would have come from there: that is not an overlap.
-        0.0
-    } else if shifted {
-        // Here, too, but what presses may leave one at the end.
-        let deep = (reach - end.length()).max(0.0);
-        (MENDED * deep / setting.substep).min(MENDING_SPEED * reach)
-    } else if setting.kick == DVec2::ZERO {
-        // Nothing presses them together again: they are moved, and need no velocity.
-        let way = normal * (MENDED * -gap * hold.mass);
-        first.position += way * first.inverse_mass;
-        second.position -= way * second.inverse_mass;
-        0.0
+        let least = -gap / setting.substep;
+        // Circles curve away from their tangent: where they pass each other as they go now, nothing brakes them.
+        let passes = hold.impulse == 0.0 && end.length_squared() > reach * reach;
+        if passes { least.min((first.velocity - second.velocity).dot(normal)) } else { least }
     } else {
-        (MENDED * -gap / setting.substep).min(MENDING_SPEED * reach)
+        // One that was hit stands where it would have come from: what they part by themselves is no overlap.
+        let deep = if setting.kick == DVec2::ZERO || shifted || hold.met {
+            (reach - end.length()).clamp(0.0, -gap)
+        } else {
+            -gap
+        };
+        if setting.kick == DVec2::ZERO {
+            // Nothing presses them together again: they are moved, and need no velocity.
+            let way = normal * (MENDED * deep * hold.mass);
+            first.position += way * first.inverse_mass;
+            second.position -= way * second.inverse_mass;
+            0.0
+        } else {
+            (MENDED * deep / setting.substep).min(MENDING_SPEED * reach)
+        }
     };
     press(hold, first, second, SOFT);
     true
@@ -232,6 +246,9 @@ fn two(bodies: &mut [Body], pair: Pair) -> (&mut Body, &mut Body) {
 fn hold_on_walls(setting: &Setting, bodies: &mut [Body], beside: &mut [Beside]) {
     for beside in beside {
         let body = &mut bodies[beside.body as usize];
+        if body.inverse_mass == 0.0 {
+            continue;
+        }
         // The velocities with which it would just reach the walls at the end of the substep.
         let low = ((DVec2::splat(body.radius) - body.position) / setting.substep).min(DVec2::ZERO);
         let high = ((setting.size - body.radius - body.position) / setting.substep).max(DVec2::ZERO);

@@ -1,0 +1,136 @@
+//! Two balls that meet in a substep: when, and what they do to each other.
+
+use glam::DVec2;
+
+use super::find::Near;
+use super::sleep::{Rest, wake_by_hit};
+use super::{Body, Setting, Tally};
+
+/// Centres closer than this, px, have no direction to meet along.
+const COINCIDENT: f64 = 1e-150;
+
+/// What impacts act on.
+pub(super) struct Stage<'a> {
+    pub(super) setting: &'a Setting,
+    pub(super) bodies: &'a mut [Body],
+    pub(super) restitutions: &'a [f64],
+    pub(super) near: &'a mut Near,
+    pub(super) rests: &'a mut [Rest],
+    pub(super) hit: &'a mut [bool],
+    pub(super) tally: &'a mut Tally,
+}
+
+impl Stage<'_> {
+    /// The bodies of a pair.
+    #[inline]
+    pub(super) fn pair(&self, at: u32) -> (usize, usize) {
+        let pair = self.near.pairs[at as usize];
+        (pair.first as usize, pair.second as usize)
+    }
+
+    /// Whether, and how, a pair meets in this substep after `since`.
+    #[inline]
+    pub(super) fn meeting(&self, at: u32, since: f64) -> Option<Meeting> {
+        let (i, j) = self.pair(at);
+        let held = self.near.held.get(at as usize) == Some(&true);
+        Meeting::of(self.setting, &self.bodies[i], &self.bodies[j], held, since)
+    }
+
+    /// Gives a pair its impulses, and wakes it where they are not small. Pairs must be linked.
+    pub(super) fn exchange(&mut self, at: u32, meeting: &Meeting) {
+        let (i, j) = self.pair(at);
+        for body in [i, j] {
+            if self.rests[body].asleep && meeting.speed > self.setting.firm {
+                wake_by_hit(body, self.setting.kick, self.bodies, self.rests, self.near);
+            }
+        }
+        meeting.exchange(self.bodies, (i, j), self.restitutions[i].min(self.restitutions[j]));
+        if let Some(hold) = self.near.holds.get_mut(at as usize) {
+            hold.met |= meeting.time > 0.0;
+        }
+        self.tally.impacts += u64::from(meeting.speed > self.setting.rest_speed);
+        (self.hit[i], self.hit[j]) = (true, true);
+    }
+}
+
+/// Whether two balls close in, and get as near as touching within a substep along the tangent of their distance: the
+/// squared distance lies above it.
+#[inline]
+pub(super) fn may_meet(setting: &Setting, first: &Body, second: &Body) -> bool {
+    let distance = first.position - second.position;
+    let closing = distance.dot(first.velocity - second.velocity);
+    let reach = first.radius + second.radius;
+    // Whether balls close in cannot be foreseen, so it is asked of few.
+    distance.length_squared() - reach * reach + 2.0 * closing.min(0.0) * setting.substep <= 0.0
+        && closing < 0.0
+}
+
+/// Two balls meeting in a substep.
+pub(super) struct Meeting {
+    /// When, s after the substep's beginning.
+    pub(super) time: f64,
+    /// Where the first is then, seen from the second, px.
+    distance: DVec2,
+    length: f64,
+    /// Speed of approach, px/s.
+    pub(super) speed: f64,
+}
+
+impl Meeting {
+    /// `None` where they do not meet in this substep after `since`.
+    fn of(setting: &Setting, first: &Body, second: &Body, held: bool, since: f64) -> Option<Self> {
+        let distance = first.position - second.position;
+        let velocity = first.velocity - second.velocity;
+        let closing = distance.dot(velocity);
+        let reach = first.radius + second.radius;
+        if closing >= 0.0 || (held && -closing < setting.firm * reach) {
+            return None;
+        }
+        // From where they are when the later one was hit.
+        let distance = distance + velocity * since;
+        let closing = distance.dot(velocity);
+        let gap = distance.length_squared() - reach * reach;
+        let wait = if gap <= 0.0 {
+            0.0
+        } else {
+            let discriminant = closing * closing - velocity.length_squared() * gap;
+            if discriminant < 0.0 || closing >= 0.0 {
+                return None;
+            }
+            gap / (discriminant.sqrt() - closing)
+        };
+        let time = since + wait;
+        if time > setting.substep {
+            return None;
+        }
+        let distance = distance + velocity * wait;
+        // By the velocity at the time of impact, or, where they pressed on each other before, by that without what presses
+        // them together now; but by no more than the mean velocity in the substep, in which what they were given already
+        // counts: none may give more than it finds.
+        let change = first.change(setting.kick) - second.change(setting.kick);
+        let then = velocity + change * if held { -1.0 } else { time / setting.substep - 0.5 };
+        let closing = distance.dot(velocity).max(distance.dot(then));
+        let length = distance.length();
+        if closing >= 0.0 || length < COINCIDENT {
+            return None;
+        }
+        Some(Self { time, distance, length, speed: -closing / length })
+    }
+
+    /// Gives both their impulse.
+    #[inline]
+    fn exchange(&self, bodies: &mut [Body], (first, second): (usize, usize), e: f64) {
+        let (one, other) = (bodies[first].inverse_mass, bodies[second].inverse_mass);
+        let change = self.distance * ((1.0 + e) * self.speed / ((one + other) * self.length));
+        strike(&mut bodies[first], change * one, self.time);
+        strike(&mut bodies[second], -change * other, self.time);
+    }
+}
+
+/// A sudden change of velocity, at a time of the substep.
+#[inline]
+pub(super) fn strike(body: &mut Body, change: DVec2, time: f64) {
+    body.velocity += change;
+    body.free += change;
+    body.position -= change * time;
+}

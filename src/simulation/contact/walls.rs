@@ -1,0 +1,195 @@
+//! A ball's bounces on the walls within one substep: in closed form, or one by one where it is fast.
+
+use glam::DVec2;
+
+use super::find::Beside;
+use super::meeting::strike;
+use super::{Body, SHIFT, Setting, Tally};
+
+/// Bounces of a ball on a wall in one substep.
+const BOUNCES: u32 = 32;
+/// A ball whose next hop on a wall lasts less than this part of a substep rests there.
+const SHORTEST_HOP: f64 = 1.0 / 64.0;
+
+/// When a ball comes to a wall, if it does in this substep, s after its beginning; by its mean velocity.
+#[inline]
+pub(super) fn reaches_wall(setting: &Setting, body: &Body) -> Option<f64> {
+    let end = body.position + body.velocity * setting.substep;
+    let (low, high) = (DVec2::splat(body.radius), setting.size - body.radius);
+    let beyond = (low - end).max(end - high);
+    let time = |axis: usize| {
+        let time = setting.substep - beyond[axis] / body.velocity[axis].abs();
+        // 0/0, or an infinity, where it does not move and is inside a wall.
+        if time > 0.0 { time } else { 0.0 }
+    };
+    match (beyond.x > 0.0, beyond.y > 0.0) {
+        (false, false) => None,
+        (true, false) => Some(time(0)),
+        (false, true) => Some(time(1)),
+        (true, true) => Some(time(0).min(time(1))),
+    }
+}
+
+/// What walls did to a ball in a substep.
+pub(super) struct Met {
+    /// When it last left one, s after the substep's beginning.
+    pub(super) time: f64,
+    /// Whether it then stands far from where it was.
+    pub(super) shifts: bool,
+}
+
+/// Bounces a ball off the walls that it meets in this substep.
+pub(super) fn meet_walls(
+    setting: &Setting,
+    body: &mut Body,
+    beside: &Beside,
+    tally: &mut Tally,
+) -> Option<Met> {
+    let e = setting.walls?;
+    let mut met: Option<Met> = None;
+    let end = body.position + body.velocity * setting.substep;
+    let (low, high) = (DVec2::splat(body.radius), setting.size - body.radius);
+    for axis in 0..2 {
+        let (gap, side) = if end[axis] < low[axis] {
+            (body.position[axis] - low[axis], 1.0)
+        } else if end[axis] > high[axis] {
+            (high[axis] - body.position[axis], -1.0)
+        } else {
+            continue;
+        };
+        let change = body.change(setting.kick)[axis];
+        // In closed form only where nothing but gravity acts on it.
+        let rests = side * beside.push[axis] > 0.0;
+        let lone = !rests && body.velocity == body.free;
+        if rests && -side * body.velocity[axis] < setting.firm {
+            continue;
+        }
+        let (acceleration, start) = if lone {
+            (change / setting.substep, body.velocity[axis] - 0.5 * change)
+        } else if rests {
+            (0.0, body.velocity[axis])
+        } else {
+            let (mean, first) = (body.velocity[axis], body.velocity[axis] - 0.5 * change);
+            (0.0, if side * first > side * mean { first } else { mean })
+        };
+        let hop = Hop { height: gap, speed: side * start, acceleration: side * acceleration };
+        let landed = hop.bounce(setting.substep, e);
+        // What it would have been, had nothing held it.
+        let velocity = match landed.at {
+            Some(at) if lone => side * at.speed - 0.5 * change,
+            Some(at) => side * at.speed,
+            None => change,
+        };
+        let height = landed.at.map_or(0.0, |at| at.height);
+        let wall = if side > 0.0 { low[axis] } else { high[axis] };
+        body.position[axis] = wall + side * height - velocity * setting.substep;
+        let given = velocity - body.velocity[axis];
+        body.velocity[axis] += given;
+        body.free[axis] += given;
+        if landed.fastest > setting.rest_speed {
+            tally.wall_hits += u64::from(landed.bounces);
+        }
+        tally.wall_impulse[axis] += side * landed.impulse / body.inverse_mass;
+        let before = met.unwrap_or(Met { time: 0.0, shifts: false });
+        met = Some(Met {
+            time: before.time.max(landed.time),
+            shifts: before.shifts | (landed.fastest * setting.substep > SHIFT * body.radius),
+        });
+    }
+    met
+}
+
+/// The time and the axis of the first wall that a fast ball meets after `since`. What gravity bends its path by is left
+/// out.
+pub(super) fn first_wall(setting: &Setting, body: &Body, since: f64) -> Option<(f64, usize)> {
+    setting.walls?;
+    let mut first = None;
+    for axis in 0..2 {
+        let (position, velocity) = (body.position[axis], body.velocity[axis]);
+        let wall = if velocity < 0.0 { body.radius } else { setting.size[axis] - body.radius };
+        let time = ((wall - position) / velocity).max(since);
+        if velocity != 0.0 && time <= setting.substep && first.is_none_or(|(earlier, _)| time < earlier) {
+            first = Some((time, axis));
+        }
+    }
+    first
+}
+
+/// One bounce of a fast ball on a wall across `axis`, at `time`.
+pub(super) fn bounce_off(setting: &Setting, body: &mut Body, axis: usize, time: f64, tally: &mut Tally) {
+    let e = setting.walls.unwrap_or_default();
+    let bent = body.velocity[axis] + setting.kick[axis] * (time / setting.substep - 0.5);
+    // Along this axis it may be slow: never turned round by gravity alone.
+    let speed = if bent * body.velocity[axis] > 0.0 { bent } else { body.velocity[axis] };
+    let mut change = DVec2::ZERO;
+    change[axis] = -body.velocity[axis] - e * speed;
+    strike(body, change, time);
+    tally.wall_hits += 1;
+    tally.wall_impulse += change / body.inverse_mass;
+}
+
+/// A ball above a wall, along one axis; up is away from the wall.
+#[derive(Debug, Clone, Copy)]
+struct Hop {
+    height: f64,
+    speed: f64,
+    acceleration: f64,
+}
+
+/// What came of a ball's bounces on a wall.
+struct Landed {
+    /// Its state at the end; `None` where it rests on the wall.
+    at: Option<Hop>,
+    /// When it bounced last, s.
+    time: f64,
+    bounces: u32,
+    /// The fastest of them, px/s.
+    fastest: f64,
+    /// The sum of the changes of velocity, px/s.
+    impulse: f64,
+}
+
+impl Hop {
+    /// Follows the ball for `time` s in closed form, through all its bounces.
+    fn bounce(mut self, time: f64, e: f64) -> Landed {
+        let (mut left, mut bounces, mut fastest, mut impulse) = (time, 0, 0.0_f64, 0.0);
+        self.height = self.height.max(0.0);
+        loop {
+            let Self { height, speed, acceleration } = self;
+            let squared = speed * speed - 2.0 * acceleration * height;
+            let lands = (speed < 0.0 || acceleration < 0.0) && squared >= 0.0;
+            let arrival = squared.max(0.0).sqrt();
+            // Each form where it subtracts nothing.
+            let wait = if speed <= 0.0 {
+                2.0 * height / (arrival - speed)
+            } else {
+                -(speed + arrival) / acceleration
+            };
+            // 0/0 where it lies on the wall without speed.
+            let wait = if wait.is_nan() { 0.0 } else { wait };
+            if !lands || wait >= left || wait < 0.0 {
+                let at = Self {
+                    height: (height + left * (speed + 0.5 * acceleration * left)).max(0.0),
+                    speed: speed + acceleration * left,
+                    acceleration,
+                };
+                return Landed {
+                    at: Some(at),
+                    time: if bounces > 0 { time - left } else { 0.0 },
+                    bounces,
+                    fastest,
+                    impulse,
+                };
+            }
+            left -= wait;
+            bounces += 1;
+            fastest = fastest.max(arrival);
+            impulse += (1.0 + e) * arrival;
+            self = Self { height: 0.0, speed: e * arrival, acceleration };
+            let short = 2.0 * self.speed <= -acceleration * SHORTEST_HOP * time;
+            if short || bounces == BOUNCES {
+                return Landed { at: None, time: time - left, bounces, fastest, impulse };
+            }
+        }
+    }
+}
