@@ -5,8 +5,8 @@
 
 use std::path::Path;
 
-use carom::paint::{self, BACKGROUND, BALL, CONTACT, Colour};
-use carom::{Ball, DVec2, Scene, Simulation, Solver, World};
+use carom::paint::{self, BACKGROUND, BALL, CONTACT, Colour, FIXED};
+use carom::{Ball, DVec2, Pairs, Scene, Simulation, Solver, World};
 use tiny_skia::Pixmap;
 
 fn colour(pixmap: &Pixmap, x: u32, y: u32) -> Colour {
@@ -31,6 +31,19 @@ fn the_demos_three_colours_arrive_byte_for_byte() {
     assert_eq!(colour(&picture, 120, 100), BALL);
     assert_eq!(colour(&picture, 60, 180), CONTACT);
     assert_eq!(colour(&picture, 60, 150), CONTACT);
+}
+
+#[test]
+fn a_fixed_ball_is_grey_touched_or_not() {
+    let world = World::new(DVec2::new(100.0, 80.0)).unwrap().with_pairs(Pairs::Detect);
+    let ball = |x| Ball::new(DVec2::new(x, 40.0), 10.0).unwrap();
+    for (x, free) in [(45.0, CONTACT), (75.0, BALL)] {
+        let mut simulation =
+            Simulation::new(world, vec![ball(30.0).fixed(), ball(x)], Solver::Canvas).unwrap();
+        simulation.advance(0.0).unwrap();
+        let picture = paint::picture(&simulation).unwrap();
+        assert_eq!((colour(&picture, 25, 40), colour(&picture, x as u32 + 5, 40)), (FIXED, free));
+    }
 }
 
 #[test]

@@ -94,6 +94,31 @@ fn fills_keep_to_their_region() {
     }
 }
 
+#[test]
+fn a_ball_is_fixed_where_its_file_says_so() {
+    let table = |more: &str| format!("[[ball]]\nposition = [30, 40]\nradius = 5\n{more}\n");
+    let text =
+        table("fixed = true\nrestitution = 0.4") + &table("fixed = false\nmass = 3\nvelocity = [1, 2]");
+    let simulation = Scene::parse("it", &text).unwrap().build().unwrap();
+    let [fixed, free] = simulation.balls() else { panic!("{:?}", simulation.balls()) };
+    assert!(fixed.is_fixed() && !free.is_fixed());
+    assert_eq!((fixed.mass(), fixed.velocity(), fixed.restitution()), (f64::INFINITY, DVec2::ZERO, 0.4));
+    assert_eq!((free.mass(), free.velocity()), (3.0, DVec2::new(1.0, 2.0)));
+}
+
+#[test]
+fn added_balls_are_of_the_material_of_the_last_that_is_free() {
+    let text = "[[ball]]\nposition = [30, 40]\nradius = 10\nmass = 50\nrestitution = 0.4\n\
+                [[ball]]\nposition = [300, 400]\nradius = 5\nfixed = true\n";
+    let simulation = Scene::parse("it", text).unwrap().with_added(20, None).build().unwrap();
+    for ball in &simulation.balls()[2..] {
+        assert!(!ball.is_fixed());
+        assert_eq!(ball.restitution(), 0.4);
+        let by_area = 50.0 * (ball.radius() / 10.0).powi(2);
+        assert!((ball.mass() / by_area - 1.0).abs() < 1e-12, "{}", ball.mass());
+    }
+}
+
 /// A wrong scene file, the line that the message must name, and what it must say.
 const WRONG: &[(&str, usize, &str)] = &[
     ("gravty = [0, 980]", 1, "unknown field `gravty`, expected one of `about`, `solver`, `size`, `gravity`"),
@@ -122,6 +147,18 @@ const WRONG: &[(&str, usize, &str)] = &[
     ("[[ball]]\nposition = [1, 2]\nradius = 3\nvelocity = [1e300, 0]", 4, "velocity is 1e300 px/s"),
     ("[[ball]]\nposition = [1, 2]\nradius = 3\nrestitution = -0.1", 4, "restitution is -0.1"),
     ("[[ball]]\nposition = [1, 2]\nradius = 3\ncolour = 1", 4, "unknown field `colour`"),
+    (
+        "[[ball]]\nposition = [1, 2]\nradius = 3\nfixed = true\nvelocity = [0, 5]",
+        5,
+        "a fixed ball never moves; leave out its velocity, or write fixed = false",
+    ),
+    (
+        "[[ball]]\nposition = [1, 2]\nradius = 3\nmass = 4\nfixed = true",
+        4,
+        "a fixed ball has no mass to choose: nothing moves it; leave out its mass, or write fixed = false",
+    ),
+    ("[[ball]]\nposition = [1, 2]\nradius = 3\nfixed = 1", 4, "expected a boolean"),
+    ("[[fill]]\ncount = 5\nradius = 3\nfixed = true", 4, "unknown field `fixed`"),
     (
         "size = [100, 50]\n[[ball]]\nposition = [1, 2]\nradius = 26",
         4,

@@ -2,7 +2,7 @@
 //!
 //! A GIF counts time in hundredths of a second, and browsers slow down anything that is shown for less than two of
 //! them; so frames that come sooner are left out, and each of the others is shown until the next by the rounded
-//! difference of their absolute times: no error adds up. Only what changed is stored, and the colours are the three of a
+//! difference of their absolute times: no error adds up. Only what changed is stored, and the colours are the four of a
 //! picture with a few steps between each two for the edges, so files stay small.
 
 use std::io::Write;
@@ -11,12 +11,14 @@ use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use thiserror::Error;
 use tiny_skia::Pixmap;
 
-use super::{BACKGROUND, BALL, CONTACT, Colour};
+use super::{BACKGROUND, BALL, CONTACT, Colour, FIXED};
 
 /// Steps between two colours at an antialiased edge.
 const EDGE_STEPS: u8 = 16;
-/// Steps between all three colours.
+/// Steps between the background and the colours of two balls that meet.
 const MEETING_STEPS: u8 = 16;
+/// The same where one of them is fixed. There is room for fewer, and need: grey is near the background.
+const MEETING_STEPS_FIXED: u8 = 8;
 /// The index of the colour that leaves a pixel as it was.
 const UNCHANGED: u8 = 0;
 /// The least time that a frame is shown, in hundredths of a second.
@@ -148,8 +150,8 @@ impl<W: Write> Animation<W> {
     }
 }
 
-/// The colours of an animation: the three of a picture, exactly, steps between each two, and between all three, for
-/// where the edges of two balls meet.
+/// The colours of an animation: the four of a picture, exactly, steps between each two, and between the background and
+/// each two others, for where the edges of two balls meet.
 struct Palette {
     /// Index 0 is [`UNCHANGED`], whose colour is never seen.
     colours: Vec<Colour>,
@@ -159,16 +161,29 @@ struct Palette {
 
 impl Palette {
     fn new() -> Self {
-        let mut colours = vec![BACKGROUND, BACKGROUND, BALL, CONTACT];
-        for (from, to) in [(BACKGROUND, BALL), (BACKGROUND, CONTACT), (BALL, CONTACT)] {
+        let mut colours = vec![BACKGROUND, BACKGROUND, BALL, CONTACT, FIXED];
+        for (from, to) in [
+            (BACKGROUND, BALL),
+            (BACKGROUND, CONTACT),
+            (BALL, CONTACT),
+            (BACKGROUND, FIXED),
+            (BALL, FIXED),
+            (CONTACT, FIXED),
+        ] {
             let part = |step| f64::from(step) / f64::from(EDGE_STEPS);
             colours.extend((1..EDGE_STEPS).map(|step| from.towards(to, part(step))));
         }
-        let part = |step| f64::from(step) / f64::from(MEETING_STEPS);
-        for ball in 1..MEETING_STEPS {
-            // As much of this as is left when there is some background.
-            let edge = |contact| BACKGROUND.towards(CONTACT, part(contact) / (1.0 - part(ball)));
-            colours.extend((1..MEETING_STEPS - ball).map(|contact| edge(contact).towards(BALL, part(ball))));
+        for (one, other, steps) in [
+            (BALL, CONTACT, MEETING_STEPS),
+            (BALL, FIXED, MEETING_STEPS_FIXED),
+            (CONTACT, FIXED, MEETING_STEPS_FIXED),
+        ] {
+            let part = |step| f64::from(step) / f64::from(steps);
+            for ones in 1..steps {
+                // As much of this as is left when there is some background.
+                let edge = |others| BACKGROUND.towards(other, part(others) / (1.0 - part(ones)));
+                colours.extend((1..steps - ones).map(|others| edge(others).towards(one, part(ones))));
+            }
         }
         let centre = |bits: usize| (bits & 31) as i32 * 8 + 4;
         let nearest = (0..1 << 15).map(|bits: usize| {
@@ -191,11 +206,12 @@ impl Palette {
     fn indices(&self, pixmap: &Pixmap) -> Vec<u8> {
         let index = |pixel: &tiny_skia::PremultipliedColorU8| {
             let colour = Colour(pixel.red(), pixel.green(), pixel.blue());
-            // The three colours of a picture stay exact; only edges are rounded.
+            // The four colours of a picture stay exact; only edges are rounded.
             match colour {
                 BACKGROUND => 1,
                 BALL => 2,
                 CONTACT => 3,
+                FIXED => 4,
                 Colour(red, green, blue) => {
                     let bits = |value: u8| usize::from(value >> 3);
                     self.nearest[bits(red) << 10 | bits(green) << 5 | bits(blue)]

@@ -1,4 +1,4 @@
-//! The colours, byte for byte the demo's.
+//! The colours: the demo's, byte for byte, and one for what the demo has not.
 
 /// An opaque colour: red, green, blue, as sRGB bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -10,6 +10,9 @@ pub const BACKGROUND: Colour = Colour(0x1a, 0x1a, 0x1a);
 pub const BALL: Colour = Colour(0, 255, 212);
 /// A ball that touches another in this frame, hsl(300, 100%, 70%).
 pub const CONTACT: Colour = Colour(0xff, 0x66, 0xff);
+
+/// A fixed ball, touched or not, hsl(0, 0%, 40%): a grey that leaves the eye to what moves.
+pub const FIXED: Colour = Colour(0x66, 0x66, 0x66);
 
 impl Colour {
     /// This colour, `part` of the way (0 to 1) to another.

@@ -14,7 +14,7 @@ use thiserror::Error;
 use tiny_skia::{FillRule, Paint, Path, PathBuilder, Pixmap, PixmapMut, Transform};
 
 pub use animation::{Animation, AnimationError};
-pub use colours::{BACKGROUND, BALL, CONTACT, Colour};
+pub use colours::{BACKGROUND, BALL, CONTACT, Colour, FIXED};
 
 use crate::simulation::Simulation;
 
@@ -61,7 +61,13 @@ pub fn blank(size: DVec2) -> Result<Pixmap, PictureTooLarge> {
 pub fn paint(simulation: &Simulation, scale: f64, pixmap: &mut PixmapMut<'_>) {
     pixmap.fill(BACKGROUND.into());
     for (ball, &touching) in simulation.balls().iter().zip(simulation.touching()) {
-        let colour = if touching { CONTACT } else { BALL };
+        let colour = if ball.is_fixed() {
+            FIXED
+        } else if touching {
+            CONTACT
+        } else {
+            BALL
+        };
         disc(pixmap, ball.position() * scale, ball.radius() * scale, colour);
     }
 }

@@ -107,6 +107,7 @@ struct BallTable {
     velocity: Option<Spanned<Pair>>,
     mass: Option<Spanned<Number>>,
     restitution: Option<Spanned<Number>>,
+    fixed: Option<bool>,
 }
 
 #[derive(Deserialize)]
@@ -182,6 +183,10 @@ impl BallTable {
     fn ball(&self) -> Result<Ball, At> {
         let position = self.position.checked(|Pair(position)| COORDINATE.check_vector(position))?;
         let mut ball = self.radius.checked(|Number(radius)| Ball::new(position, radius))?;
+        if self.fixed == Some(true) {
+            self.check_fixed()?;
+            ball = ball.fixed();
+        }
         if let Some(velocity) = &self.velocity {
             ball = velocity.checked(|Pair(velocity)| ball.with_velocity(velocity))?;
         }
@@ -192,6 +197,15 @@ impl BallTable {
             ball = restitution.checked(|Number(restitution)| ball.with_restitution(restitution))?;
         }
         Ok(ball)
+    }
+
+    /// Whether nothing is said beside `fixed = true` that a fixed ball does not have.
+    fn check_fixed(&self) -> Result<(), At> {
+        match (&self.velocity, &self.mass) {
+            (Some(velocity), _) => Err(at(velocity.span(), FIXED_MOVES)),
+            (_, Some(mass)) => Err(at(mass.span(), FIXED_WEIGHS)),
+            (None, None) => Ok(()),
+        }
     }
 }
 
@@ -223,6 +237,12 @@ impl FillTable {
         Ok(Fill { count, radius, speed, material, restitution, seed, region, offset: Some(offset) })
     }
 }
+
+/// What is said of a velocity beside `fixed = true`.
+const FIXED_MOVES: &str = "a fixed ball never moves; leave out its velocity, or write fixed = false";
+/// What is said of a mass beside `fixed = true`.
+const FIXED_WEIGHS: &str =
+    "a fixed ball has no mass to choose: nothing moves it; leave out its mass, or write fixed = false";
 
 /// A number that may be left out, in the range of `quantity`.
 fn optional(number: Option<&Spanned<Number>>, quantity: &'static Quantity, default: f64) -> Result<f64, At> {

@@ -99,7 +99,7 @@ impl Fill {
     }
 }
 
-/// Random balls for a world, of the material of its last ball, small enough to find room: what `--balls` and the
+/// Random balls for a world, of the material of its last free ball, small enough to find room: what `--balls` and the
 /// window's keys add.
 pub(crate) fn filling(count: usize, world: &World, balls: &[Ball], seed: u64) -> Fill {
     let area = world.size().x * world.size().y;
@@ -119,15 +119,15 @@ pub(crate) fn filling(count: usize, world: &World, balls: &[Ball], seed: u64) ->
     }
 }
 
-/// `ball`, made of the material of the last of `balls`.
+/// `ball`, made of the material of the last of `balls` that is not fixed. It is as free as it was.
 pub(crate) fn like_the_last(balls: &[Ball], ball: Ball) -> Result<Ball, OutOfRange> {
     let (material, restitution) = material_of_the_last(balls);
     ball.with_restitution(restitution)?.with_mass(material.mass(ball.radius()))
 }
 
-/// Density and restitution of the last ball; where there is none, an elastic ball of mass 1.
+/// Density and restitution of the last ball that is not fixed; where there is none, an elastic ball of mass 1.
 fn material_of_the_last(balls: &[Ball]) -> (Material, f64) {
-    balls.last().map_or((Material::Mass(1.0), 1.0), |ball| {
+    balls.iter().rfind(|ball| !ball.is_fixed()).map_or((Material::Mass(1.0), 1.0), |ball| {
         (Material::Density(ball.mass() / (PI * ball.radius() * ball.radius())), ball.restitution())
     })
 }

@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use super::ball::Ball;
 use super::grid::{Grid, touch};
-use super::impulse::{Form, canvas_impact};
+use super::impulse::{Form, canvas_impact, canvas_rebound};
 use super::world::{Pairs, World};
 use super::{Advance, Frame, Part};
 
@@ -22,6 +22,8 @@ pub(super) struct Canvas {
     search: Search,
     /// `None` where contacts are only detected.
     impulse: Option<Form>,
+    /// Whether some balls are fixed, which the demo knows nothing of.
+    fixed: bool,
 }
 
 /// How touching pairs are found.
@@ -43,38 +45,47 @@ impl Canvas {
         // The demo's `elastic` stage knows no restitution and has a formula of its own.
         let elastic = balls.iter().all(|ball| ball.restitution == 1.0);
         let form = if elastic { Form::Elastic } else { Form::Inelastic };
-        Self { search, impulse: (world.pairs == Some(Pairs::Impulse)).then_some(form) }
+        let impulse = (world.pairs == Some(Pairs::Impulse)).then_some(form);
+        Self { search, impulse, fixed: balls.iter().any(Ball::is_fixed) }
+    }
+
+    fn advance_as<const FIXED: bool>(&mut self, frame: &mut Frame<'_>, seconds: f64) {
+        match (frame.world.gravity.is_some(), frame.world.walls.is_some()) {
+            (false, false) => move_balls::<false, false, FIXED>(frame, seconds),
+            (false, true) => move_balls::<false, true, FIXED>(frame, seconds),
+            (true, false) => move_balls::<true, false, FIXED>(frame, seconds),
+            (true, true) => move_balls::<true, true, FIXED>(frame, seconds),
+        }
+        match (&mut self.search, self.impulse) {
+            // A single ball may have touched one that is gone.
+            (Search::Nothing, _) if frame.world.pairs.is_some() => frame.touching.fill(false),
+            (Search::Nothing, _) => {}
+            (Search::AllPairs, None) => all_pairs(frame, show::<FIXED>),
+            (Search::AllPairs, Some(Form::Elastic)) => all_pairs(frame, collide::<true, FIXED>),
+            (Search::AllPairs, Some(Form::Inelastic)) => all_pairs(frame, collide::<false, FIXED>),
+            (Search::Grid(grid), None) => {
+                frame.touching.fill(false);
+                frame.show_overlaps::<FIXED>(grid);
+            }
+            (Search::Grid(grid), Some(form)) => {
+                grid.find(frame.balls);
+                grid.sort();
+                match form {
+                    Form::Elastic => in_order(grid, frame, collide::<true, FIXED>),
+                    Form::Inelastic => in_order(grid, frame, collide::<false, FIXED>),
+                }
+            }
+        }
     }
 }
 
 impl Advance for Canvas {
     /// Always finishes: a frame costs about the same whatever happens in it, and half a demo's frame is none of its.
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, _: &mut dyn FnMut() -> bool) -> f64 {
-        match (frame.world.gravity.is_some(), frame.world.walls.is_some()) {
-            (false, false) => move_balls::<false, false>(frame, seconds),
-            (false, true) => move_balls::<false, true>(frame, seconds),
-            (true, false) => move_balls::<true, false>(frame, seconds),
-            (true, true) => move_balls::<true, true>(frame, seconds),
-        }
-        match (&mut self.search, self.impulse) {
-            // A single ball may have touched one that is gone.
-            (Search::Nothing, _) if frame.world.pairs.is_some() => frame.touching.fill(false),
-            (Search::Nothing, _) => {}
-            (Search::AllPairs, None) => all_pairs(frame, show),
-            (Search::AllPairs, Some(Form::Elastic)) => all_pairs(frame, collide::<true>),
-            (Search::AllPairs, Some(Form::Inelastic)) => all_pairs(frame, collide::<false>),
-            (Search::Grid(grid), None) => {
-                frame.touching.fill(false);
-                frame.show_overlaps(grid);
-            }
-            (Search::Grid(grid), Some(form)) => {
-                grid.find(frame.balls);
-                grid.sort();
-                match form {
-                    Form::Elastic => in_order(grid, frame, collide::<true>),
-                    Form::Inelastic => in_order(grid, frame, collide::<false>),
-                }
-            }
+        if self.fixed {
+            self.advance_as::<true>(frame, seconds);
+        } else {
+            self.advance_as::<false>(frame, seconds);
         }
         seconds
     }
@@ -95,12 +106,18 @@ impl Advance for Canvas {
 
 /// Steps 1 and 2 of the demo's frame. It runs them as two loops over the balls; in one loop each ball sees the same
 /// operations in the same order.
-fn move_balls<const GRAVITY: bool, const WALLS: bool>(frame: &mut Frame<'_>, seconds: f64) {
+fn move_balls<const GRAVITY: bool, const WALLS: bool, const FIXED: bool>(
+    frame: &mut Frame<'_>,
+    seconds: f64,
+) {
     let gravity = frame.world.gravity.unwrap_or_default() * seconds;
     let restitution = frame.world.walls.unwrap_or_default();
     let size = frame.world.size;
     let (mut hits, mut impulse) = (0, DVec2::ZERO);
     for ball in &mut *frame.balls {
+        if FIXED && ball.is_fixed() {
+            continue;
+        }
         if GRAVITY {
             ball.velocity += gravity;
         }
@@ -156,15 +173,26 @@ fn in_order(grid: &Grid, frame: &mut Frame<'_>, mut contact: impl FnMut(&mut Fra
     }
 }
 
-fn show(frame: &mut Frame<'_>, i: usize, j: usize) {
+fn show<const FIXED: bool>(frame: &mut Frame<'_>, i: usize, j: usize) {
+    if FIXED && frame.balls[i].is_fixed() && frame.balls[j].is_fixed() {
+        return;
+    }
     frame.touching[i] = true;
     frame.touching[j] = true;
 }
 
-fn collide<const ELASTIC: bool>(frame: &mut Frame<'_>, i: usize, j: usize) {
-    show(frame, i, j);
+fn collide<const ELASTIC: bool, const FIXED: bool>(frame: &mut Frame<'_>, i: usize, j: usize) {
+    show::<FIXED>(frame, i, j);
     let form = if ELASTIC { Form::Elastic } else { Form::Inelastic };
-    if let Some((first, second)) = canvas_impact(form, &frame.balls[i], &frame.balls[j]) {
+    let (first, second) = (&frame.balls[i], &frame.balls[j]);
+    if FIXED && (first.is_fixed() || second.is_fixed()) {
+        let (index, free, fixed) = if second.is_fixed() { (i, first, second) } else { (j, second, first) };
+        // Neither may be free: then both are at rest, and do not approach.
+        if let Some(velocity) = canvas_rebound(form, free, fixed) {
+            frame.balls[index].velocity = velocity;
+            frame.tally.impacts += 1;
+        }
+    } else if let Some((first, second)) = canvas_impact(form, first, second) {
         frame.balls[i].velocity = first;
         frame.balls[j].velocity = second;
         frame.tally.impacts += 1;

@@ -50,6 +50,24 @@ pub(super) fn canvas_impact(form: Form, first: &Ball, second: &Ball) -> Option<(
     Some((normal * after1 + tangent * v1t, normal * after2 + tangent * v2t))
 }
 
+/// The velocity of a ball after its impact on a fixed one: what [`canvas_impact`] tends to as the other's mass grows.
+/// `None` where it does not approach, whatever the restitution: the demo's balls of restitution 0 stick to each other, but
+/// none sticks to what is fixed.
+#[inline]
+pub(super) fn canvas_rebound(form: Form, ball: &Ball, fixed: &Ball) -> Option<DVec2> {
+    let normal = normal(ball.position - fixed.position);
+    let tangent = DVec2::new(-normal.y, normal.x);
+    let (along, across) = (ball.velocity.dot(normal), ball.velocity.dot(tangent));
+    if along >= 0.0 {
+        return None;
+    }
+    let e = match form {
+        Form::Elastic => 1.0,
+        Form::Inelastic => ball.restitution.min(fixed.restitution),
+    };
+    Some(normal * (-e * along) + tangent * across)
+}
+
 /// The changes of velocity of two balls whose relative position is `distance` and whose relative velocity is
 /// `velocity` (first less second), by an impact with restitution `e`. `shares` of the change of relative velocity are
 /// theirs: each the other's mass over the sum of both.
@@ -62,8 +80,8 @@ pub(super) fn exact_impact(distance: DVec2, velocity: DVec2, shares: (f64, f64),
     (change * shares.0, change * -shares.1)
 }
 
-/// The same where walls may hold a ball: `yields` are the balls' inverse masses axis by axis, 0 where one cannot give
-/// way. Balls that are both held in the line of centres keep their velocities.
+/// The same where walls may hold a ball, or one is fixed: `yields` are the balls' inverse masses axis by axis, 0 where one
+/// cannot give way. Balls that are both held in the line of centres keep their velocities.
 pub(super) fn held_impact(
     distance: DVec2,
     velocity: DVec2,
@@ -128,6 +146,21 @@ mod tests {
         let (left, right) = (ball(0.0, 0.0, -1.0, 0.0, 1.0, 0.5), ball(15.0, 0.0, 1.0, 0.0, 1.0, 0.5));
         assert_eq!(canvas_impact(Form::Elastic, &left, &right), None);
         assert_eq!(canvas_impact(Form::Inelastic, &left, &right), None);
+    }
+
+    #[test]
+    fn a_fixed_ball_is_the_limit_of_a_heavy_one() {
+        for (form, e) in [(Form::Elastic, 1.0), (Form::Inelastic, 0.0), (Form::Inelastic, 0.6)] {
+            let light = ball(3.0, 4.0, -70.0, 20.0, 2.0, e);
+            let fixed = Ball::new(DVec2::ZERO, 10.0).unwrap().fixed();
+            let after = canvas_rebound(form, &light, &fixed).unwrap();
+            let heavy = ball(0.0, 0.0, 0.0, 0.0, 1e17, 1.0);
+            let (limit, _) = canvas_impact(form, &light, &heavy).unwrap();
+            assert!((after - limit).length() < 1e-13, "{form:?}: {after} is not {limit}");
+            for parting in [DVec2::new(70.0, -20.0), DVec2::ZERO] {
+                assert_eq!(canvas_rebound(form, &light.with_velocity(parting).unwrap(), &fixed), None);
+            }
+        }
     }
 
     #[test]

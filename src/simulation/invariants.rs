@@ -1,4 +1,7 @@
 //! What should be conserved or never exceeded, measured: energy, momentum, overlap, escape.
+//!
+//! Fixed balls stand where they were put: they have no energy and no momentum, and that they overlap each other or a
+//! wall is nobody's fault and does not count.
 
 use glam::DVec2;
 
@@ -6,10 +9,15 @@ use super::ball::Ball;
 use super::grid::Grid;
 use super::world::World;
 
+/// The balls that move.
+fn free(balls: &[Ball]) -> impl Iterator<Item = &Ball> {
+    balls.iter().filter(|ball| !ball.is_fixed())
+}
+
 /// The kinetic energy of all balls, mass·px²/s².
 #[must_use]
 pub fn kinetic_energy(balls: &[Ball]) -> f64 {
-    balls.iter().map(|ball| 0.5 * ball.mass * ball.velocity.length_squared()).sum()
+    free(balls).map(|ball| 0.5 * ball.mass * ball.velocity.length_squared()).sum()
 }
 
 /// The potential energy of all balls under the world's gravity, mass·px²/s²: 0 for a ball that lies on the edge (or
@@ -26,29 +34,32 @@ pub fn potential_energy(world: &World, balls: &[Ball]) -> f64 {
         let down = height(gravity.y, ball.position.y, ball.radius, world.size.y);
         ball.mass * (gravity.x.abs() * across + gravity.y.abs() * down)
     };
-    balls.iter().map(work).sum()
+    free(balls).map(work).sum()
 }
 
 /// The total momentum, mass·px/s.
 #[must_use]
 pub fn momentum(balls: &[Ball]) -> DVec2 {
-    balls.iter().map(|ball| ball.mass * ball.velocity).sum()
+    free(balls).map(|ball| ball.mass * ball.velocity).sum()
 }
 
 /// The deepest overlap of two balls as a fraction of the smaller one's radius: 0 where none overlap, 2 and more where
-/// a ball lies wholly inside another.
+/// a ball lies wholly inside another. Two fixed balls may overlap.
 #[must_use]
 pub fn max_overlap(grid: &mut Grid, balls: &[Ball]) -> f64 {
     let mut deepest = 0.0_f64;
     grid.for_each(balls, |i, j| {
         let (a, b) = (&balls[i as usize], &balls[j as usize]);
-        let depth = a.radius + b.radius - a.position.distance(b.position);
-        deepest = deepest.max(depth / a.radius.min(b.radius));
+        if !(a.is_fixed() && b.is_fixed()) {
+            let depth = a.radius + b.radius - a.position.distance(b.position);
+            deepest = deepest.max(depth / a.radius.min(b.radius));
+        }
     });
     deepest
 }
 
-/// The deepest that a ball reaches over a wall, as a fraction of its radius; 0 without walls.
+/// The deepest that a ball reaches over a wall, as a fraction of its radius; 0 without walls. Fixed balls may stand in
+/// one.
 #[must_use]
 pub fn max_wall_overlap(world: &World, balls: &[Ball]) -> f64 {
     if world.walls.is_none() {
@@ -59,7 +70,7 @@ pub fn max_wall_overlap(world: &World, balls: &[Ball]) -> f64 {
         let behind = ball.position + ball.radius - world.size;
         before.max(behind).max_element() / ball.radius
     };
-    balls.iter().map(depth).fold(0.0, f64::max)
+    free(balls).map(depth).fold(0.0, f64::max)
 }
 
 /// How many balls have a NaN or an infinity in their state. Anything but 0 is a defect of the solver.
@@ -106,5 +117,20 @@ mod tests {
         let balls = [ball(8.0, 50.0, 10.0), ball(50.0, 97.0, 6.0)];
         assert_eq!(max_wall_overlap(&world, &balls), 0.0);
         assert_eq!(max_wall_overlap(&world.with_walls(1.0).unwrap(), &balls), 0.5);
+    }
+
+    #[test]
+    fn fixed_balls_have_no_energy_and_no_momentum_and_only_free_ones_overlap_them() {
+        let world = World::new(DVec2::splat(100.0)).unwrap().with_walls(1.0).unwrap();
+        let world = world.with_gravity(DVec2::new(3.0, 4.0)).unwrap();
+        let free = ball(50.0, 50.0, 5.0).with_velocity(DVec2::new(2.0, 1.0)).unwrap();
+        let alone = [free];
+        let among = [ball(2.0, 90.0, 10.0).fixed(), free, ball(8.0, 90.0, 10.0).fixed()];
+        assert_eq!((kinetic_energy(&among), momentum(&among)), (kinetic_energy(&alone), momentum(&alone)));
+        assert_eq!(potential_energy(&world, &among), potential_energy(&world, &alone));
+        let mut grid = Grid::new(&among, world.size());
+        assert_eq!((max_overlap(&mut grid, &among), max_wall_overlap(&world, &among)), (0.0, 0.0));
+        let inside = [ball(2.0, 90.0, 10.0).fixed(), ball(15.0, 90.0, 10.0)];
+        assert_eq!(max_overlap(&mut grid, &inside), 0.7);
     }
 }

@@ -29,6 +29,12 @@ pub const VELOCITY: Quantity = Quantity { name: "velocity", unit: "px/s", low: -
 pub const RADIUS: Quantity = Quantity { name: "radius", unit: "px", low: 1e-6, high: 1e9 };
 /// A ball's mass. Only ratios of masses matter; 10⁻³⁰ … 10³⁰ leaves room for any that `f64` can resolve.
 pub const MASS: Quantity = Quantity { name: "mass", unit: "", low: 1e-30, high: 1e30 };
+/// A component of a fixed ball's velocity.
+pub const FIXED_VELOCITY: Quantity =
+    Quantity { name: "velocity of a fixed ball", low: 0.0, high: 0.0, ..VELOCITY };
+/// A fixed ball's mass.
+pub const FIXED_MASS: Quantity =
+    Quantity { name: "mass of a fixed ball", low: f64::INFINITY, high: f64::INFINITY, ..MASS };
 /// A coefficient of restitution: 0 takes all of the approach speed, 1 gives all of it back.
 pub const RESTITUTION: Quantity = Quantity { name: "restitution", unit: "", low: 0.0, high: 1.0 };
 /// A component of gravity.
@@ -88,6 +94,9 @@ impl fmt::Display for OutOfRange {
         let Quantity { name, unit, low, high } = *self.quantity;
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         let value = self.value;
+        if low == high {
+            return write!(f, "{name} is {}{unit}; it must be {}{unit}", Short(value), Short(low));
+        }
         write!(f, "{name} is {}{unit}; it must be from {} to {}{unit}", Short(value), Short(low), Short(high))
     }
 }
@@ -125,6 +134,20 @@ mod tests {
     }
 
     #[test]
+    fn a_fixed_ball_has_one_velocity_and_one_mass() {
+        assert_eq!(
+            (FIXED_VELOCITY.check(0.0), FIXED_MASS.check(f64::INFINITY)),
+            (Ok(0.0), Ok(f64::INFINITY))
+        );
+        for velocity in [f64::MIN_POSITIVE, -1.0, f64::NAN] {
+            assert!(FIXED_VELOCITY.check(velocity).is_err());
+        }
+        for mass in [f64::MAX, 0.0, f64::NAN] {
+            assert!(FIXED_MASS.check(mass).is_err());
+        }
+    }
+
+    #[test]
     fn a_refusal_says_what_is_wrong_and_what_is_allowed() {
         assert_eq!(
             RADIUS.check(-3.0).unwrap_err().to_string(),
@@ -133,6 +156,14 @@ mod tests {
         assert_eq!(
             RESTITUTION.check(f64::NAN).unwrap_err().to_string(),
             "restitution is NaN; it must be from 0 to 1"
+        );
+        assert_eq!(
+            FIXED_VELOCITY.check(3.0).unwrap_err().to_string(),
+            "velocity of a fixed ball is 3 px/s; it must be 0 px/s"
+        );
+        assert_eq!(
+            FIXED_MASS.check(1e30).unwrap_err().to_string(),
+            "mass of a fixed ball is 1e30; it must be inf"
         );
     }
 }

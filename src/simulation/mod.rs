@@ -77,12 +77,12 @@ pub enum Solver {
 /// What has happened since the simulation began.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tally {
-    /// Impacts between two balls.
+    /// Impacts between two balls, of which one may be fixed.
     pub impacts: u64,
     /// Impacts of a ball on a wall.
     pub wall_hits: u64,
     /// The momentum that these have given the balls, mass·px/s. What a wall carries of balls that rest on it is not
-    /// in it.
+    /// in it, and neither is what fixed balls give to others.
     pub wall_impulse: DVec2,
 }
 
@@ -146,12 +146,15 @@ struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// Flags the balls that overlap. Flags are the same in any order, so no pair is kept.
-    fn show_overlaps(&mut self, grid: &mut Grid) {
+    /// Flags the balls that overlap; fixed ones, where there are any, do not notice each other. Flags are the same in any
+    /// order, so no pair is kept.
+    fn show_overlaps<const FIXED: bool>(&mut self, grid: &mut Grid) {
         let Frame { balls, touching, .. } = self;
         grid.for_each(balls, |i, j| {
-            touching[i as usize] = true;
-            touching[j as usize] = true;
+            let (i, j) = (i as usize, j as usize);
+            if !(FIXED && balls[i].is_fixed() && balls[j].is_fixed()) {
+                (touching[i], touching[j]) = (true, true);
+            }
         });
     }
 }
@@ -315,8 +318,8 @@ impl Simulation {
         ball
     }
 
-    /// Moves the walls, and brings balls that are then outside back in, keeping their velocities. The world never
-    /// becomes narrower than its widest ball, so that every size a window may take is allowed.
+    /// Moves the walls, and brings balls that are then outside back in, keeping their velocities; fixed balls stay where
+    /// they are. The world never becomes narrower than its widest ball, so that every size a window may take is allowed.
     ///
     /// # Errors
     /// [`OutOfRange`] where a side is NaN, infinite or larger than a world may be; nothing has changed then.
@@ -328,7 +331,7 @@ impl Simulation {
         }
         self.world = self.world.with_size(size)?;
         if self.world.walls.is_some() {
-            for ball in &mut self.balls {
+            for ball in self.balls.iter_mut().filter(|ball| !ball.is_fixed()) {
                 let radius = DVec2::splat(ball.radius);
                 // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
                 ball.position = ball.position.min(size - radius).max(radius);

@@ -207,13 +207,15 @@ impl Course {
                 }
                 let Some(meeting) = stage.meeting(at, self.times[i].max(self.times[j])) else { return };
                 stage.exchange(at, &meeting);
-                for body in [i, j] {
+                // A fixed ball goes on as it was: all that is foreseen of it still holds.
+                let moved = [i, j].map(|body| (stage.bodies[body].inverse_mass > 0.0).then_some(body));
+                for body in moved.into_iter().flatten() {
                     self.shifted[body] |= meeting.time * meeting.speed > SHIFT * stage.bodies[body].radius;
                     self.slow[body] = false;
                     self.note(stage, body, time);
                     self.far[body] |= fast;
                 }
-                for body in [i, j] {
+                for body in moved.into_iter().flatten() {
                     self.foresee(stage, body);
                 }
             }

@@ -62,7 +62,7 @@ struct Body {
 impl Body {
     fn new(ball: &Ball, kick: DVec2) -> Self {
         // Half a substep before its beginning.
-        let velocity = ball.velocity - 0.5 * kick;
+        let velocity = if ball.is_fixed() { DVec2::ZERO } else { ball.velocity - 0.5 * kick };
         Self {
             position: ball.position,
             velocity,
@@ -255,7 +255,7 @@ impl Contact {
         }
         let Self { setting, bodies, .. } = self;
         if setting.walls.is_some() {
-            for body in bodies {
+            for body in bodies.iter_mut().filter(|body| body.inverse_mass > 0.0) {
                 let radius = DVec2::splat(body.radius);
                 body.position = body.position.min(size - radius).max(radius);
             }
@@ -290,6 +290,10 @@ impl Contact {
         self.find_held();
         for (at, body) in self.bodies.iter().enumerate() {
             let ball = &mut frame.balls[self.ids[at] as usize];
+            if ball.is_fixed() {
+                // Not even rounding moves it.
+                continue;
+            }
             let (mut position, mut velocity) = (body.position, self.velocity_between(at));
             if let Some(&(was, had)) = self.before.get(at) {
                 position = was.lerp(position, share);
@@ -309,7 +313,7 @@ impl Contact {
         }
         if let Some(grid) = &mut self.shown {
             frame.touching.fill(false);
-            frame.show_overlaps(grid);
+            frame.show_overlaps::<true>(grid);
         }
     }
 }

@@ -108,6 +108,11 @@ impl Matter {
     pub(super) fn of(ball: &Ball) -> Self {
         Self { radius: ball.radius, mass: ball.mass, restitution: ball.restitution }
     }
+
+    /// Whether nothing moves the ball.
+    pub(super) fn is_fixed(&self) -> bool {
+        self.mass == f64::INFINITY
+    }
 }
 
 /// What a ball is doing, a bit each.

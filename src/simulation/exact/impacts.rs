@@ -48,6 +48,17 @@ fn shares(m1: f64, m2: f64) -> (f64, f64) {
     (m2 / (m1 + m2), m1 / (m1 + m2))
 }
 
+/// The same where one of the masses may be infinite.
+fn shares_with_fixed(first: &Matter, second: &Matter) -> (f64, f64) {
+    if first.is_fixed() {
+        (0.0, 1.0)
+    } else if second.is_fixed() {
+        (1.0, 0.0)
+    } else {
+        shares(first.mass, second.mass)
+    }
+}
+
 impl Exact {
     /// How soon after its last impact a slow one is chatter, s: as long as a hop at the rest speed.
     pub(super) fn chatter(&self) -> f64 {
@@ -135,7 +146,14 @@ impl Exact {
         let (first, second) = (self.matter::<N>(one), self.matter::<N>(other));
         let leans = meeting.slower_than(LEAN * self.rest_speed);
         let restitution = if self.wedged() { 0.0 } else { first.restitution.min(second.restitution) };
-        let chatter_speed = || self.chatter_speed(one, now).max(self.chatter_speed(other, now));
+        if N::GRAVITY && self.wedged() && (first.is_fixed() || second.is_fixed()) {
+            return self.hold::<N>(tally, one, other, now);
+        }
+        // That another ball has hit a fixed one a moment before says nothing: it has not moved.
+        let chatter_of = |slot, matter: &Matter| {
+            if N::GRAVITY && matter.is_fixed() { 0.0 } else { self.chatter_speed(slot, now) }
+        };
+        let chatter_speed = || chatter_of(one, first).max(chatter_of(other, second));
         let may_chatter = restitution < 1.0 && !self.wedged();
         let e = if may_chatter && meeting.slower_than(chatter_speed()) { 1.0 } else { restitution };
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
@@ -164,8 +182,24 @@ impl Exact {
         self.foresee::<N>(other, now);
     }
 
+    /// Lays a ball to rest that hits a fixed one, and others, endlessly at one time: it has no room between them, and
+    /// none of them gives way. An impact of another ball may free it.
+    fn hold<N: Needs>(&mut self, tally: &mut Tally, one: usize, other: usize, now: f64) {
+        for slot in [one, other] {
+            let (position, _) = self.state::<N>(slot, now);
+            self.set_out(slot, (position, DVec2::ZERO), now);
+            let marks = &mut self.marks[slot];
+            (0..2).for_each(|axis| marks.set(Marks::rests_on(axis), true));
+            marks.set(Marks::HIT, true);
+            marks.set(Marks::LEANS, true);
+        }
+        tally.impacts += 1;
+        self.foresee::<N>(one, now);
+        self.foresee::<N>(other, now);
+    }
+
     /// The changes of velocity where one of two balls, or both, rest on walls, which hold them unless the blow is so
-    /// hard that they bounce.
+    /// hard that they bounce, or are fixed.
     fn hit_held(
         &self,
         one: usize,
@@ -174,7 +208,7 @@ impl Exact {
         (first, second): (&Matter, &Matter),
         e: f64,
     ) -> (DVec2, DVec2) {
-        let free = exact_impact(distance, velocity, shares(first.mass, second.mass), e);
+        let free = exact_impact(distance, velocity, shares_with_fixed(first, second), e);
         let yields =
             (self.gives(one, first, free.0) / first.mass, self.gives(other, second, free.1) / second.mass);
         held_impact(distance, velocity, yields, e)

@@ -43,7 +43,7 @@ pub(super) struct Exact {
     rest_speed: f64,
     /// What balls have moved at most between two hits that are chatter, px, whatever the rest speed.
     chatter_length: f64,
-    /// Whether balls may rest on walls, or be held between them.
+    /// Whether balls may rest on walls, or be held between them, or are fixed.
     holds: bool,
     /// Which ball is in each slot.
     ids: Vec<u32>,
@@ -93,7 +93,7 @@ const EVENTS_PER_LOOK: u32 = 256;
 
 /// What a simulation needs of the solver, decided when that is made: code for the rest is not even compiled in.
 trait Needs {
-    /// Balls are accelerated, and may rest on walls or be held between them.
+    /// Balls are accelerated, and may rest on walls, be held between them or be fixed.
     const GRAVITY: bool;
     /// All balls have one radius, mass and restitution.
     const ALIKE: bool;
@@ -122,6 +122,10 @@ impl Exact {
         let gravity = world.gravity.unwrap_or_default();
         let several = balls.len() > 1;
         let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+        let smallest = balls
+            .iter()
+            .filter(|ball| !ball.is_fixed())
+            .fold(f64::INFINITY, |low, ball| low.min(ball.radius));
         let mut exact = Self {
             gravity,
             pulls: [0, 1, 2, 3].map(|rests| {
@@ -130,8 +134,8 @@ impl Exact {
             }),
             size: world.size,
             walls: world.walls,
-            rest_speed: rest_speed.min(most_rest_speed(gravity, &radii)),
-            chatter_length: CHATTER_LENGTH * radii.iter().copied().fold(f64::INFINITY, f64::min),
+            rest_speed: rest_speed.min(most_rest_speed(gravity, smallest)),
+            chatter_length: CHATTER_LENGTH * smallest,
             holds: gravity != DVec2::ZERO,
             ids: (0..balls.len() as u32).collect(),
             flights: Vec::new(),
@@ -162,10 +166,13 @@ impl Exact {
             exact.matter.truncate(1);
         }
         for (slot, &id) in exact.ids.iter().enumerate() {
+            let ball = &balls[id as usize];
             for axis in 0..2 {
-                let jams = exact.jams(balls[id as usize].radius, axis);
-                exact.marks[slot].set(Marks::rests_on(axis), jams);
-                exact.holds |= jams;
+                // A fixed ball rests, across both axes, and no impact lifts it: it is held as walls hold a ball that
+                // has no room between them.
+                let held = ball.is_fixed() || exact.jams(ball.radius, axis);
+                exact.marks[slot].set(Marks::rests_on(axis), held);
+                exact.holds |= held;
             }
         }
         exact
@@ -236,8 +243,11 @@ impl Exact {
         if let Some(overlaps) = &mut self.overlaps {
             let balls: Vec<Ball> = self.ids.iter().map(|&id| balls[id as usize]).collect();
             Grid::new(&balls, self.size).for_each(&balls, |i, j| {
-                overlaps[i as usize].push(j);
-                overlaps[j as usize].push(i);
+                // Fixed balls do not notice each other.
+                if !(balls[i as usize].is_fixed() && balls[j as usize].is_fixed()) {
+                    overlaps[i as usize].push(j);
+                    overlaps[j as usize].push(i);
+                }
             });
             for others in overlaps {
                 others.sort_unstable();
@@ -392,9 +402,8 @@ impl Exact {
 }
 
 /// The rest speed above which hops that are seen would be left out, px/s: they are as high as a hundredth of the smallest
-/// radius. Where gravity is weak, or balls are tiny, it is less than what was asked for.
-fn most_rest_speed(gravity: DVec2, radii: &[f64]) -> f64 {
-    let smallest = radii.iter().copied().fold(f64::INFINITY, f64::min);
+/// radius of a ball that moves. Where gravity is weak, or balls are tiny, it is less than what was asked for.
+fn most_rest_speed(gravity: DVec2, smallest: f64) -> f64 {
     if gravity == DVec2::ZERO { f64::INFINITY } else { (2.0 * gravity.length() * 0.01 * smallest).sqrt() }
 }
 
