@@ -29,6 +29,7 @@ pub(super) const SCENES: &[Builtin] = builtin![
     "bullet",
     "cradle",
     "gas",
+    "galton",
 ];
 
 /// How many of the built-in scenes are the demo's stages.
