@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use glam::DVec2;
 use thiserror::Error;
 
-use crate::scene::{self, Scene, SceneError};
+use crate::scene::{self, Rain, Scene, SceneError};
 use crate::simulation::limits::GRAVITY;
 use crate::simulation::{Ball, BuildError, Simulation, Solver, World};
 
@@ -101,8 +101,10 @@ pub enum CommandError {
 pub struct Session {
     name: String,
     simulation: Simulation,
+    /// The balls that fall in, if any do.
+    rain: Option<Rain>,
     /// What a reset goes back to.
-    start: (World, Vec<Ball>),
+    start: (World, Vec<Ball>, Option<Rain>),
     /// The size that the world was last asked to have, px; wide balls may have made it larger.
     size: DVec2,
     paused: bool,
@@ -128,7 +130,8 @@ impl Session {
         let simulation = scene.build()?;
         Ok(Self {
             name: scene.name().to_owned(),
-            start: (*simulation.world(), simulation.balls().to_vec()),
+            start: (*simulation.world(), simulation.balls().to_vec(), scene.rain()),
+            rain: scene.rain(),
             size: simulation.world().size(),
             gravity: simulation.world().gravity().unwrap_or(EARTH),
             simulation,
@@ -204,16 +207,20 @@ impl Session {
         measured: f64,
         mut go_on: impl FnMut() -> bool,
     ) -> Result<(), crate::OutOfRange> {
+        let Self { simulation, rain, .. } = self;
+        let mut advance = |seconds| match rain {
+            Some(rain) => rain.advance_while(simulation, seconds, &mut go_on),
+            None => simulation.advance_while(seconds, &mut go_on),
+        };
         if self.fresh {
             self.fresh = false;
-            self.simulation.advance_while(0.0, go_on).map(drop)
+            advance(0.0).map(drop)
         } else if self.paused {
-            let simulation = &mut self.simulation;
-            take(&mut self.steps, |seconds| simulation.advance_while(seconds, &mut go_on))
+            take(&mut self.steps, advance)
         } else {
             let measured = measured.min(LONGEST_FRAME);
             let asked = measured * self.time_scale;
-            let done = self.simulation.advance_while(asked, go_on)?;
+            let done = advance(asked)?;
             self.pace.note(measured, asked, done);
             Ok(())
         }
@@ -281,7 +288,8 @@ impl Session {
     }
 
     fn reset(&mut self) -> Result<(), CommandError> {
-        let (world, balls) = self.start.clone();
+        let (world, balls, rain) = self.start.clone();
+        self.rain = rain;
         self.simulation = Simulation::new(world, balls, self.simulation.solver())?;
         self.simulation.resize(self.size)?;
         self.steps.clear();

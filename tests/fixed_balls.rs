@@ -103,9 +103,7 @@ fn a_ball_bounces_off_a_fixed_one_as_the_closed_form_says_at_any_angle_restituti
                 let (frames, tolerance) = match solver {
                     Solver::Canvas => ((total * speed / 5e-3) as u32, 1e-3),
                     Solver::Exact => (7, 1e-11),
-                    Solver::Contact if e == 1.0 => (7, 1e-9),
-                    // What slides past in a substep by more than it leaves may be pushed a little more.
-                    Solver::Contact => (7, 0.06),
+                    Solver::Contact => (7, 1e-8),
                 };
                 for _ in 0..frames {
                     simulation.advance(total / f64::from(frames)).unwrap();

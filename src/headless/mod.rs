@@ -105,6 +105,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// [`RunError`]; outputs that could not be completed are not there then.
 pub fn run(run: &Run) -> Result<Summary, RunError> {
     let mut simulation = run.scene.build()?;
+    let mut rain = run.scene.rain();
     let mut outputs = Outputs::create(run, &simulation)?;
     let mut grid = Grid::new(simulation.balls(), simulation.world().size());
     let mut watched = Watched { energy_start: energy(&simulation), ..Watched::default() };
@@ -114,7 +115,10 @@ pub fn run(run: &Run) -> Result<Summary, RunError> {
     for frame in 0..run.frames.count() {
         let delta = run.frames.delta(frame);
         let start = Instant::now();
-        simulation.advance(delta)?;
+        match &mut rain {
+            Some(rain) => drop(rain.advance_while(&mut simulation, delta, || true)?),
+            None => simulation.advance(delta)?,
+        }
         watched.wall_seconds += start.elapsed().saturating_sub(clock_cost).as_secs_f64();
         watched.frames += 1;
         watched.max_overlap = watched.max_overlap.max(max_overlap(&mut grid, simulation.balls()));

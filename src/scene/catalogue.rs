@@ -24,6 +24,7 @@ pub(super) const SCENES: &[Builtin] = builtin![
     "inelastic",
     "gravity",
     "pile",
+    "rain",
     "column",
     "heavy",
     "bullet",

@@ -4,12 +4,13 @@ use std::fmt;
 use std::ops::Range;
 
 use glam::DVec2;
-use serde::de::{Error as _, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::Fault;
 use super::fill::{Fill, Material};
+use super::rain::{RAIN_RATE, Rain};
+use super::values::{Corners, Count, Interval, Number, Pair};
 use super::{DEFAULT_SIZE, Scene};
 use crate::simulation::limits::{
     COORDINATE, GRAVITY, MASS, MAX_BALLS, OutOfRange, Quantity, RADIUS, RESTITUTION, SIZE, VELOCITY,
@@ -76,6 +77,7 @@ struct File {
     balls: Vec<Spanned<BallTable>>,
     #[serde(default, rename = "fill")]
     fills: Vec<Spanned<FillTable>>,
+    rain: Option<RainTable>,
 }
 
 #[derive(Deserialize)]
@@ -123,6 +125,30 @@ struct FillTable {
     region: Option<Spanned<Corners>>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table: [rain]")]
+struct RainTable {
+    rate: Spanned<Number>,
+    radius: Spanned<Interval>,
+    speed: Option<Spanned<Interval>>,
+    density: Option<Spanned<Number>>,
+    mass: Option<Spanned<Number>>,
+    restitution: Option<Spanned<Number>>,
+    seed: Option<Count>,
+    region: Option<Spanned<Corners>>,
+}
+
+/// What a fill and rain have in common.
+struct RandomBalls<'a> {
+    radius: &'a Spanned<Interval>,
+    speed: &'a Option<Spanned<Interval>>,
+    density: &'a Option<Spanned<Number>>,
+    mass: &'a Option<Spanned<Number>>,
+    restitution: &'a Option<Spanned<Number>>,
+    seed: &'a Option<Count>,
+    region: &'a Option<Spanned<Corners>>,
+}
+
 impl File {
     fn into_scene(self, origin: &str) -> Result<Scene, At> {
         let solver = match &self.solver {
@@ -165,6 +191,7 @@ impl File {
             }
             fills.push(fill);
         }
+        let rain = self.rain.map(|rain| rain.rain(size)).transpose()?;
         let about = self.about.unwrap_or_default();
         Ok(Scene {
             origin: origin.to_owned(),
@@ -174,6 +201,7 @@ impl File {
             world,
             balls,
             fills,
+            rain,
             added: None,
         })
     }
@@ -215,26 +243,47 @@ impl FillTable {
         let count = usize::try_from(count).ok().filter(|&count| count <= MAX_BALLS).ok_or_else(|| {
             at(self.count.span(), format!("count is {count}; a simulation takes at most {MAX_BALLS} balls"))
         })?;
+        let Self { radius, speed, density, mass, restitution, seed, region, .. } = self;
+        let balls = RandomBalls { radius, speed, density, mass, restitution, seed, region };
+        Ok(Fill { count, offset: Some(offset), ..balls.fill(size)? })
+    }
+}
+
+impl RainTable {
+    fn rain(&self, size: DVec2) -> Result<Rain, At> {
+        let rate = self.rate.checked(|Number(rate)| RAIN_RATE.check(rate))?;
+        let Self { radius, speed, density, mass, restitution, seed, region, .. } = self;
+        let balls = RandomBalls { radius, speed, density, mass, restitution, seed, region };
+        Ok(Rain::new(balls.fill(size)?, rate))
+    }
+}
+
+impl RandomBalls<'_> {
+    /// A fill of none of them.
+    fn fill(&self, size: DVec2) -> Result<Fill, At> {
         let radius = self.radius.checked(|interval| interval.check(&RADIUS))?;
-        let speed = match &self.speed {
+        let speed = match self.speed {
             None => (0.0, 0.0),
             Some(speed) => speed.checked(|interval| interval.check(&SPEED))?,
         };
-        let material = match (&self.density, &self.mass) {
+        let material = match (self.density, self.mass) {
             (Some(_), Some(mass)) => {
-                return Err(at(mass.span(), "a fill has a density or a mass, not both; leave one out"));
+                return Err(at(
+                    mass.span(),
+                    "random balls have a density or a mass, not both; leave one out",
+                ));
             }
             (None, Some(mass)) => Material::Mass(mass.checked(|Number(mass)| MASS.check(mass))?),
             (density, None) => Material::Density(optional(density.as_ref(), &DENSITY, 1.0)?),
         };
         let restitution = optional(self.restitution.as_ref(), &RESTITUTION, 1.0)?;
-        let region = match &self.region {
+        let region = match self.region {
             None => None,
             Some(region) => Some(region.checked(|corners| corners.check(size, radius.1))?),
         };
         check_width(self.radius.span(), radius.1, size)?;
         let seed = self.seed.as_ref().map_or(SEED_DEFAULT, |seed| seed.0);
-        Ok(Fill { count, radius, speed, material, restitution, seed, region, offset: Some(offset) })
+        Ok(Fill { count: 0, radius, speed, material, restitution, seed, region, offset: None })
     }
 }
 
@@ -268,182 +317,4 @@ fn check_width(span: Range<usize>, radius: f64, size: DVec2) -> Result<(), At> {
         size.x, size.y
     );
     Err(at(span, message))
-}
-
-/// Any TOML number.
-#[derive(Clone, Copy)]
-struct Number(f64);
-
-/// Two numbers: x and y.
-#[derive(Clone, Copy)]
-struct Pair(DVec2);
-
-/// One number, or the two ends of a range.
-#[derive(Clone, Copy)]
-struct Interval(f64, f64);
-
-/// Left, top, right, bottom.
-#[derive(Clone, Copy)]
-struct Corners([f64; 4]);
-
-/// A whole number from 0 up.
-struct Count(u64);
-
-impl Interval {
-    fn check(self, quantity: &'static Quantity) -> Result<(f64, f64), String> {
-        let check = |value| quantity.check(value).map_err(|error| error.to_string());
-        let (low, high) = (check(self.0)?, check(self.1)?);
-        if low <= high {
-            Ok((low, high))
-        } else {
-            Err(format!(
-                "{} is [{low}, {high}]; write the smaller number first: [{high}, {low}]",
-                quantity.name
-            ))
-        }
-    }
-}
-
-impl Corners {
-    fn check(self, size: DVec2, radius: f64) -> Result<(DVec2, DVec2), String> {
-        let [left, top, right, bottom] = self.0;
-        let (low, high) = (DVec2::new(left, top), DVec2::new(right, bottom));
-        let world = format!("[0, 0, {}, {}]", size.x, size.y);
-        if !(low.cmpge(DVec2::ZERO).all() && high.cmple(size).all()) {
-            return Err(format!(
-                "region is [{left}, {top}, {right}, {bottom}]; left, top, right and bottom must lie in the world, {world}"
-            ));
-        }
-        if !(high - low).cmpge(DVec2::splat(2.0 * radius)).all() {
-            return Err(format!(
-                "region is [{left}, {top}, {right}, {bottom}], which has no room for a ball of radius {radius}; \
-                 write left, top, right, bottom at least {} apart",
-                2.0 * radius
-            ));
-        }
-        Ok((low, high))
-    }
-}
-
-impl<'de> Deserialize<'de> for Number {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct NumberVisitor;
-
-        impl Visitor<'_> for NumberVisitor {
-            type Value = Number;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, such as 12 or 0.5")
-            }
-
-            fn visit_f64<E>(self, value: f64) -> Result<Number, E> {
-                Ok(Number(value))
-            }
-
-            fn visit_i64<E>(self, value: i64) -> Result<Number, E> {
-                Ok(Number(value as f64))
-            }
-
-            fn visit_u64<E>(self, value: u64) -> Result<Number, E> {
-                Ok(Number(value as f64))
-            }
-        }
-
-        deserializer.deserialize_any(NumberVisitor)
-    }
-}
-
-impl<'de> Deserialize<'de> for Count {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct CountVisitor;
-
-        impl Visitor<'_> for CountVisitor {
-            type Value = Count;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a whole number from 0 up, such as 1000")
-            }
-
-            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Count, E> {
-                let wrong = || E::invalid_value(serde::de::Unexpected::Signed(value), &self);
-                u64::try_from(value).map(Count).map_err(|_| wrong())
-            }
-
-            fn visit_u64<E>(self, value: u64) -> Result<Count, E> {
-                Ok(Count(value))
-            }
-        }
-
-        deserializer.deserialize_any(CountVisitor)
-    }
-}
-
-impl<'de> Deserialize<'de> for Pair {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let [x, y] = deserializer.deserialize_any(Numbers("two numbers, such as [30, 50]"))?;
-        Ok(Self(DVec2::new(x, y)))
-    }
-}
-
-impl<'de> Deserialize<'de> for Corners {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        const EXPECTED: &str = "four numbers, left, top, right and bottom, such as [0, 0, 1280, 360]";
-        deserializer.deserialize_any(Numbers(EXPECTED)).map(Self)
-    }
-}
-
-impl<'de> Deserialize<'de> for Interval {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        const INTERVAL: &str = "a number or a range, such as 5 or [3, 6]";
-        struct IntervalVisitor;
-
-        impl<'de> Visitor<'de> for IntervalVisitor {
-            type Value = Interval;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str(INTERVAL)
-            }
-
-            fn visit_f64<E>(self, value: f64) -> Result<Interval, E> {
-                Ok(Interval(value, value))
-            }
-
-            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Interval, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_u64<E: serde::de::Error>(self, value: u64) -> Result<Interval, E> {
-                self.visit_f64(value as f64)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Interval, A::Error> {
-                let [low, high] = Numbers(INTERVAL).visit_seq(seq)?;
-                Ok(Interval(low, high))
-            }
-        }
-
-        deserializer.deserialize_any(IntervalVisitor)
-    }
-}
-
-/// Exactly `N` numbers in an array; the text says what is expected.
-struct Numbers<const N: usize>(&'static str);
-
-impl<'de, const N: usize> Visitor<'de> for Numbers<N> {
-    type Value = [f64; N];
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[f64; N], A::Error> {
-        let mut numbers = [0.0; N];
-        for (found, number) in numbers.iter_mut().enumerate() {
-            *number = seq.next_element::<Number>()?.ok_or_else(|| A::Error::invalid_length(found, &self))?.0;
-        }
-        match seq.next_element::<Number>()? {
-            None => Ok(numbers),
-            Some(_) => Err(A::Error::invalid_length(N + 1, &self)),
-        }
-    }
 }

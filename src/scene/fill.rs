@@ -70,10 +70,7 @@ const PITCH_STEPS: u32 = 20;
 impl Fill {
     /// As many of the fill's balls as find room among `present` in `world`; `stream` sets fills of one seed apart.
     pub(crate) fn place(&self, world: &World, present: &[Ball], stream: u64) -> Vec<Ball> {
-        let (low, high) = self.region.unwrap_or((DVec2::ZERO, world.size()));
-        let room = Room { low, high: high.min(world.size()) };
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(stream);
+        let (room, mut rng) = (self.room(world), self.rng(stream));
         let radii: Vec<f64> = (0..self.count).map(|_| between(&mut rng, self.radius)).collect();
 
         // Balls that cover more than there is need no second trial.
@@ -87,9 +84,33 @@ impl Fill {
         }
         // The largest were placed first; the scene's order is the one in which they were drawn.
         places.sort_unstable_by_key(|&(index, _)| index);
+        self.balls(&mut rng, &radii, places)
+    }
+
+    /// The same, at random places only.
+    pub(crate) fn place_at_random(&self, world: &World, present: &[Ball], stream: u64) -> Vec<Ball> {
+        let (room, mut rng) = (self.room(world), self.rng(stream));
+        let radii: Vec<f64> = (0..self.count).map(|_| between(&mut rng, self.radius)).collect();
+        let places = throw(&mut rng, &room, &radii, present);
+        self.balls(&mut rng, &radii, places)
+    }
+
+    fn room(&self, world: &World) -> Room {
+        let (low, high) = self.region.unwrap_or((DVec2::ZERO, world.size()));
+        Room { low, high: high.min(world.size()) }
+    }
+
+    fn rng(&self, stream: u64) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(stream);
+        rng
+    }
+
+    /// Balls of these radii at these places.
+    fn balls(&self, rng: &mut ChaCha8Rng, radii: &[f64], places: Vec<(usize, DVec2)>) -> Vec<Ball> {
         let ball = |(index, position): (usize, DVec2)| {
             let radius = radii[index];
-            let velocity = random_direction(&mut rng) * between(&mut rng, self.speed);
+            let velocity = random_direction(rng) * between(rng, self.speed);
             let ball =
                 Ball::new(position, radius)?.with_velocity(velocity)?.with_restitution(self.restitution)?;
             ball.with_mass(self.material.mass(radius))

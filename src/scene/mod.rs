@@ -8,6 +8,8 @@ mod error;
 mod file;
 mod fill;
 mod listing;
+mod rain;
+mod values;
 
 use std::fs::File;
 use std::io::Read;
@@ -20,6 +22,7 @@ pub use error::{Fault, SceneError};
 pub use fill::Fill;
 pub(crate) use fill::{filling, like_the_last};
 pub use listing::Listing;
+pub use rain::Rain;
 
 use crate::simulation::{Ball, Simulation, Solver, World};
 
@@ -49,6 +52,7 @@ pub struct Scene {
     world: World,
     balls: Vec<Ball>,
     fills: Vec<Fill>,
+    rain: Option<Rain>,
     /// How many random balls to add, and their seed.
     added: Option<(usize, u64)>,
 }
@@ -126,6 +130,12 @@ impl Scene {
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
+    }
+
+    /// The balls that fall in while it runs, if any do: at its beginning.
+    #[must_use]
+    pub fn rain(&self) -> Option<Rain> {
+        self.rain.clone()
     }
 
     /// The simulation that this scene describes, at time 0, with its fills placed.

@@ -133,6 +133,13 @@ trait Advance: fmt::Debug + Send {
     /// than asked for only where `go_on` said no. `go_on` is asked now and then where the work may be long, and not
     /// before some of it is done, so that every call gets on. `frame` then holds the state at the time returned.
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64;
+    /// Takes up balls that were added behind those that it knows, `balls` being all of them; whether it could. If not, it
+    /// is made anew.
+    fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
+        let _ = (world, balls);
+        false
+    }
+
     /// The parts that run.
     fn parts(&self, world: &World) -> Vec<Part>;
 }
@@ -306,7 +313,9 @@ impl Simulation {
         check_fit(&self.world, balls, self.balls.len())?;
         self.balls.extend_from_slice(balls);
         self.touching.resize(self.balls.len(), false);
-        self.rebuild();
+        if !self.engine.add(&self.world, &self.balls) {
+            self.rebuild();
+        }
         Ok(())
     }
 

@@ -333,6 +333,10 @@ impl Near {
     fn put_in_order(&mut self, cargo: &mut Cargo<'_>) {
         let Some((grid, _)) = &self.grid else { return };
         let order: Vec<u32> = grid.order().collect();
+        if order.len() != cargo.bodies.len() {
+            // Balls were added since.
+            return;
+        }
         let mut place = vec![0; order.len()];
         for (at, &was) in (0..).zip(&order) {
             place[was as usize] = at;

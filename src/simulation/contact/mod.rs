@@ -107,6 +107,7 @@ struct Setting {
 #[derive(Debug)]
 pub(super) struct Contact {
     setting: Setting,
+    tuning: Tuning,
     /// Substeps in a second.
     rate: u32,
     bodies: Vec<Body>,
@@ -119,8 +120,8 @@ pub(super) struct Contact {
     sleeps: bool,
     /// Whether all do.
     all_asleep: bool,
-    /// Bodies asleep that others, awake, press on, or did.
-    border: Vec<u32>,
+    /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
+    border: Vec<(u32, f64)>,
     near: Option<Near>,
     /// Whether balls notice each other.
     pairs: bool,
@@ -142,18 +143,16 @@ pub(super) struct Contact {
 
 impl Contact {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
-        let rate = tuning.substeps.unwrap_or_else(|| rate(world, balls));
+        let rate = rate(world, balls, tuning);
         let substep = 1.0 / f64::from(rate);
         let kick = world.gravity.unwrap_or_default() * substep;
-        let pairs = world.pairs == Some(Pairs::Impulse) && balls.len() > 1;
-        let takes_energy =
-            world.walls.is_some_and(|e| e < 1.0) || balls.iter().any(|ball| ball.restitution < 1.0);
+        let pairs = has_pairs(world, balls);
         let setting = Setting {
             size: world.size,
             walls: world.walls,
             substep,
             kick,
-            rests: kick != DVec2::ZERO || takes_energy,
+            rests: rests(world, balls),
             firm: FIRM * kick.length(),
             // Without gravity there is no chatter to be left out.
             rest_speed: if kick == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
@@ -161,6 +160,7 @@ impl Contact {
         let bodies: Vec<_> = balls.iter().map(|ball| Body::new(ball, kick)).collect();
         Self {
             setting,
+            tuning,
             rate,
             rests: bodies.iter().map(Rest::new).collect(),
             sleeps: tuning.sleep && kick != DVec2::ZERO,
@@ -318,8 +318,23 @@ impl Contact {
     }
 }
 
-/// Substeps in a second that suit these balls under this gravity.
-fn rate(world: &World, balls: &[Ball]) -> u32 {
+/// Whether balls can come to rest.
+fn rests(world: &World, balls: &[Ball]) -> bool {
+    let takes_energy =
+        world.walls.is_some_and(|e| e < 1.0) || balls.iter().any(|ball| ball.restitution < 1.0);
+    world.gravity.is_some() || takes_energy
+}
+
+/// Whether there are balls that notice each other.
+fn has_pairs(world: &World, balls: &[Ball]) -> bool {
+    world.pairs == Some(Pairs::Impulse) && balls.len() > 1
+}
+
+/// Substeps in a second that suit these balls under this gravity, unless something else was asked for.
+fn rate(world: &World, balls: &[Ball], tuning: Tuning) -> u32 {
+    if let Some(substeps) = tuning.substeps {
+        return substeps;
+    }
     let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
     let pull = world.gravity.unwrap_or_default().length();
     let least = (pull / (SINKING * smallest)).sqrt();
@@ -367,6 +382,31 @@ impl Advance for Contact {
             self.show(frame, rest);
             seconds
         }
+    }
+
+    fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
+        let tuning = self.tuning;
+        if rate(world, balls, tuning) != self.rate
+            || has_pairs(world, balls) != self.pairs
+            || rests(world, balls) != self.setting.rests
+            || self.shown.is_some()
+        {
+            return false;
+        }
+        let known = self.bodies.len();
+        for (id, ball) in (known as u32..).zip(&balls[known..]) {
+            let body = Body::new(ball, self.setting.kick);
+            self.bodies.push(body);
+            self.rests.push(Rest::new(&body));
+            self.restitutions.push(ball.restitution);
+            self.ids.push(id);
+            self.hit.push(false);
+            if !self.before.is_empty() {
+                self.before.push((ball.position, ball.velocity));
+            }
+        }
+        self.all_asleep = false;
+        true
     }
 
     fn parts(&self, world: &World) -> Vec<Part> {

@@ -20,6 +20,8 @@ const DEEP: f64 = 0.05;
 const WEIGHT: f64 = 0.5;
 /// ... and this part of all that presses on it.
 const PRESS: f64 = 0.25;
+/// A ball wakes where it loses a support, or a load, of more than this part of its weight.
+const LOST: f64 = 0.1;
 
 /// Whether a ball sleeps, and what it takes to wake it.
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +47,7 @@ impl Contact {
             return;
         }
         self.find_held();
+        self.find_grounded();
         self.find_deep();
         let Self { setting, bodies, rests, near: Some(near), held, .. } = self else { return };
         let drift = DRIFT * setting.kick.length() * window as f64 * setting.substep;
@@ -63,6 +66,19 @@ impl Contact {
             near.weigh(at, bodies);
         }
         self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.weight == 0.0);
+    }
+
+    /// Counts bodies as held that hop on a wall less high than gravity takes them in a substep.
+    fn find_grounded(&mut self) {
+        let Self { setting, bodies, near: Some(near), held, .. } = self else { return };
+        let hop = setting.kick.abs() * setting.substep;
+        for beside in &near.beside {
+            let body = &bodies[beside.body as usize];
+            let below = setting.size - body.radius - body.position;
+            let above = body.position - body.radius;
+            let gap = DVec2::select(setting.kick.cmpgt(DVec2::ZERO), below, above);
+            held[beside.body as usize] |= gap.cmplt(hop).any();
+        }
     }
 
     /// Counts bodies that overlap others deeply as not held.
@@ -86,13 +102,15 @@ impl Contact {
         }
         near.link_pairs(bodies.len());
         let kick = setting.kick;
-        for body in border.drain(..) {
+        for (body, lost) in border.drain(..) {
             let at = body as usize;
             if !rests[at].asleep {
                 continue;
             }
             let given = near.given(body, rests[at].weight);
-            let tolerance = WEIGHT * kick.length() + PRESS * given.pressed;
+            // What lost a support moves, however hard the others press.
+            let pressed = if lost * rests[at].weight > LOST * kick.length() { 0.0 } else { given.pressed };
+            let tolerance = WEIGHT * kick.length() + PRESS * pressed;
             if (given.velocity + kick).length_squared() > tolerance * tolerance {
                 wake(at, bodies, rests, near);
                 // As if it had been held like this in the substep that is over.

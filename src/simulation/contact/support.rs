@@ -55,6 +55,7 @@ impl Contact {
                 continue;
             }
             let (i, j) = (pair.first as usize, pair.second as usize);
+            let carried = hold.impulse;
             // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
             let near = !far[i] && !far[j] && take_up(setting, bodies, *pair, hold, shifted[i] || shifted[j]);
             if near {
@@ -62,7 +63,10 @@ impl Contact {
             }
             let holds = near && (hold.met || hold.impulse > 0.0);
             if held[at] || holds {
-                border.extend([pair.first, pair.second].iter().filter(|&&body| rests[body as usize].asleep));
+                let sleepers =
+                    [pair.first, pair.second].into_iter().filter(|&body| rests[body as usize].asleep);
+                let lost = if holds { 0.0 } else { carried };
+                border.extend(sleepers.map(|body| (body, lost)));
             }
             held[at] = holds;
             hold.met = false;

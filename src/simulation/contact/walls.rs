@@ -61,17 +61,18 @@ pub(super) fn meet_walls(
         // In closed form only where nothing but gravity acts on it.
         let rests = side * beside.push[axis] > 0.0;
         let lone = !rests && body.velocity == body.free;
-        if rests && -side * body.velocity[axis] < setting.firm {
-            continue;
-        }
         let (acceleration, start) = if lone {
             (change / setting.substep, body.velocity[axis] - 0.5 * change)
-        } else if rests {
-            (0.0, body.velocity[axis])
         } else {
-            let (mean, first) = (body.velocity[axis], body.velocity[axis] - 0.5 * change);
+            // One that others press on the wall comes to it by what presses, which is no impact: without it, it came as
+            // fast as it moved before.
+            let mean = body.velocity[axis];
+            let first = mean - change * if rests { 1.0 } else { 0.5 };
             (0.0, if side * first > side * mean { first } else { mean })
         };
+        if rests && -side * start < setting.firm {
+            continue;
+        }
         let hop = Hop { height: gap, speed: side * start, acceleration: side * acceleration };
         let landed = hop.bounce(setting.substep, e);
         // What it would have been, had nothing held it.

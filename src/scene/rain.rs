@@ -1,0 +1,101 @@
+//! Balls that fall in for ever, as long as there is room.
+
+use glam::DVec2;
+
+use super::fill::Fill;
+use crate::simulation::limits::{OutOfRange, Quantity};
+use crate::simulation::{Ball, Simulation, World};
+
+/// How many balls come in a second.
+pub(super) static RAIN_RATE: Quantity = Quantity { name: "rate", unit: "balls/s", low: 1e-3, high: 1e4 };
+
+/// Seconds between the moments at which balls come, however many: a number without rounding.
+const SPELL: f64 = 0.125;
+/// Frames may end so much before a spell does, s, and still see its balls.
+const ROUNDING: f64 = 1e-12;
+/// After so many moments in a row at which none of them found room, there is none.
+const FULL: u32 = 16;
+/// The default region is the top of the world, so many of the largest radii high.
+const STRIP: f64 = 4.0;
+
+/// Rain of random balls. It falls at set moments of the simulated time, so that it is the same whatever the frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rain {
+    /// What the balls are like; its count is not used.
+    fill: Fill,
+    /// Balls a second.
+    rate: f64,
+    /// The time that has passed, s: a sum, and what was lost in rounding it.
+    time: (f64, f64),
+    /// How many spells are over.
+    spells: u64,
+    /// How many of the last spells found no room for any of their balls.
+    in_vain: u32,
+}
+
+impl Rain {
+    pub(super) fn new(fill: Fill, rate: f64) -> Self {
+        Self { fill, rate, time: (0.0, 0.0), spells: 0, in_vain: 0 }
+    }
+
+    /// Moves a simulation on by up to `seconds`, as [`Simulation::advance_while`] does, and lets balls fall in when it
+    /// is their time.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where no frame may be so long; nothing has moved then.
+    pub fn advance_while(
+        &mut self,
+        simulation: &mut Simulation,
+        seconds: f64,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Result<f64, OutOfRange> {
+        let mut left = seconds;
+        // Frames that end with a spell but for rounding see its balls.
+        while let Some(wait) = self.wait().filter(|&wait| wait <= left + ROUNDING) {
+            let done = simulation.advance_while(wait, &mut go_on)?;
+            self.pass(done);
+            left -= done;
+            if done < wait {
+                return Ok(seconds - left);
+            }
+            self.fall(simulation);
+        }
+        let done = simulation.advance_while(left.max(0.0), go_on)?;
+        self.pass(done);
+        Ok(seconds - left.max(0.0) + done)
+    }
+
+    /// The time until balls come again, s; `None` where the world is full.
+    fn wait(&self) -> Option<f64> {
+        let next = (self.spells + 1) as f64 * SPELL;
+        (self.in_vain < FULL).then(|| (next - self.time.0 - self.time.1).max(0.0))
+    }
+
+    /// Adds to the time without losing any (Knuth 1969), so that all frames come to the same moments.
+    fn pass(&mut self, seconds: f64) {
+        let (sum, lost) = self.time;
+        let next = sum + seconds;
+        let added = next - sum;
+        self.time = (next, lost + ((sum - (next - added)) + (seconds - added)));
+    }
+
+    /// Adds the balls of the spell that is over.
+    fn fall(&mut self, simulation: &mut Simulation) {
+        let by = |spells: u64| (spells as f64 * SPELL * self.rate).floor() as usize;
+        let count = by(self.spells + 1) - by(self.spells);
+        self.spells += 1;
+        if count == 0 {
+            return;
+        }
+        let balls = self.drops(count, simulation.world(), simulation.balls());
+        let added = !balls.is_empty() && simulation.add(&balls).is_ok();
+        self.in_vain = if added { 0 } else { self.in_vain + 1 };
+    }
+
+    fn drops(&self, count: usize, world: &World, present: &[Ball]) -> Vec<Ball> {
+        let strip = DVec2::new(world.size().x, (STRIP * self.fill.radius.1).min(world.size().y));
+        let region = self.fill.region.unwrap_or((DVec2::ZERO, strip));
+        let fill = Fill { count, region: Some(region), ..self.fill.clone() };
+        fill.place_at_random(world, present, self.spells)
+    }
+}
