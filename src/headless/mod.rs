@@ -17,7 +17,7 @@ pub use output::{Output, OutputError};
 pub use summary::Summary;
 use summary::{Watched, energy};
 
-use crate::paint::{self, Animation, AnimationError, PictureTooLarge};
+use crate::paint::{self, Animation, AnimationError, Painter, PictureTooLarge};
 use crate::scene::{Scene, SceneError};
 use crate::simulation::Simulation;
 use crate::simulation::grid::Grid;
@@ -142,6 +142,7 @@ struct Outputs {
     summary: Option<Output>,
     /// What frames are painted on, where any are.
     canvas: Option<Pixmap>,
+    painter: Painter,
     stdout_taken: bool,
 }
 
@@ -169,7 +170,8 @@ impl Outputs {
             }
             _ => None,
         };
-        let mut outputs = Self { trace, image, gif, summary, canvas, stdout_taken };
+        let mut outputs =
+            Self { trace, image, gif, summary, canvas, painter: Painter::default(), stdout_taken };
         outputs.write_trace(|trace| writeln!(trace, "frame,time,ball,x,y,vx,vy,colliding"))?;
         Ok(outputs)
     }
@@ -188,7 +190,7 @@ impl Outputs {
             })?;
         }
         if let (Some((animation, path)), Some(canvas)) = (&mut self.gif, &mut self.canvas) {
-            paint::paint(simulation, 1.0, &mut canvas.as_mut());
+            self.painter.repaint(simulation, 1.0, &mut canvas.as_mut());
             let added = animation.add(simulation.time(), canvas);
             added.map_err(|source| RunError::Animation { path: path.clone(), source })?;
         }
@@ -209,14 +211,14 @@ impl Outputs {
 
     /// Completes every output that can be, and then tells of the first that could not.
     fn finish(self, simulation: &Simulation, summary: &Summary) -> Result<(), RunError> {
-        let Self { trace, image, gif, summary: json, canvas, stdout_taken } = self;
+        let Self { trace, image, gif, summary: json, canvas, mut painter, stdout_taken } = self;
         let traced = trace.map_or(Ok(()), Output::finish);
         let animated: Result<(), RunError> = gif.map_or(Ok(()), |(animation, path)| {
             let finished = animation.finish(simulation.time());
             Ok(finished.map_err(|source| RunError::Animation { path, source })?.finish()?)
         });
         let painted = image.zip(canvas).map_or(Ok(()), |(image, mut canvas)| {
-            paint::paint(simulation, 1.0, &mut canvas.as_mut());
+            painter.repaint(simulation, 1.0, &mut canvas.as_mut());
             let png = canvas.encode_png().map_err(|error| image.error(io::Error::other(error)))?;
             image.complete(&png)
         });

@@ -3,20 +3,29 @@
 //! The window, pictures, animations and tests all paint through here. Painting reads the simulation and never moves it.
 
 mod animation;
+mod bands;
+mod circle;
 mod colours;
+mod coverage;
+mod disc;
+mod ink;
+mod lines;
+mod painter;
+mod spans;
+mod target;
 #[cfg(feature = "window")]
 pub(crate) mod text;
 
-use std::f64::consts::{PI, TAU};
-
 use glam::DVec2;
 use thiserror::Error;
-use tiny_skia::{FillRule, Paint, Path, PathBuilder, Pixmap, PixmapMut, Transform};
+use tiny_skia::{Paint, Pixmap, PixmapMut};
 
 pub use animation::{Animation, AnimationError};
+pub use circle::fill_disc;
 pub use colours::{BACKGROUND, BALL, CONTACT, Colour, FIXED};
+pub use painter::Painter;
 
-use crate::simulation::Simulation;
+use crate::simulation::{Ball, Simulation};
 
 /// The most pixels that a picture may have: half a gigabyte.
 const MOST_PIXELS: f64 = (1_u64 << 27) as f64;
@@ -57,61 +66,20 @@ pub fn blank(size: DVec2) -> Result<Pixmap, PictureTooLarge> {
 }
 
 /// Paints the background and every ball, antialiased, in the simulation's order: a later ball lies over an earlier one.
-/// `scale` is the number of pixels per px of the world.
+/// `scale` is the number of pixels per px of the world. Who paints more than one picture keeps a [`Painter`].
 pub fn paint(simulation: &Simulation, scale: f64, pixmap: &mut PixmapMut<'_>) {
-    pixmap.fill(BACKGROUND.into());
-    for (ball, &touching) in simulation.balls().iter().zip(simulation.touching()) {
-        let colour = if ball.is_fixed() {
-            FIXED
-        } else if touching {
-            CONTACT
-        } else {
-            BALL
-        };
-        disc(pixmap, ball.position() * scale, ball.radius() * scale, colour);
-    }
+    Painter::default().paint(simulation, scale, pixmap);
 }
 
-/// Fills an antialiased disc; nothing where it lies outside of the picture.
-pub(crate) fn disc(pixmap: &mut PixmapMut<'_>, centre: DVec2, radius: f64, colour: Colour) {
-    let size = DVec2::new(f64::from(pixmap.width()), f64::from(pixmap.height()));
-    // Written so that a NaN is outside.
-    let inside = (centre + radius).cmpgt(DVec2::ZERO) & (centre - radius).cmplt(size);
-    if !inside.all() {
-        return;
+/// The colour of a ball.
+fn colour(ball: &Ball, touching: bool) -> Colour {
+    if ball.is_fixed() {
+        FIXED
+    } else if touching {
+        CONTACT
+    } else {
+        BALL
     }
-    if let Some(path) = circle(centre, radius) {
-        pixmap.fill_path(&path, &colour.paint(), FillRule::Winding, Transform::identity(), None);
-    }
-}
-
-/// How far a circle's polygon may leave the circle, px; farther only for circles that no screen holds.
-const SAGITTA: f64 = 0.05;
-
-/// A circle as a polygon of the same area, for tiny-skia to fill.
-///
-/// tiny-skia's own circle is flattened so coarsely that a disc of 10 px loses 2 % of its area; this one, in about the
-/// same time, less than 0.2 %.
-fn circle(centre: DVec2, radius: f64) -> Option<Path> {
-    // A chord over the angle 2h leaves the circle by r(1 − cos h) ≈ rh²/2.
-    let sides = (PI * (radius / (2.0 * SAGITTA)).sqrt()).clamp(16.0, 1024.0).ceil();
-    let angle = TAU / sides;
-    let turn = DVec2::from_angle(angle);
-    // The polygon's area is n/2·R² sin(2π/n), the circle's πr².
-    let mut corner = DVec2::new(radius * (angle / turn.y).sqrt(), 0.0);
-    let mut path = PathBuilder::new();
-    for side in 0..sides as u32 {
-        let at = centre + corner;
-        let (x, y) = (at.x as f32, at.y as f32);
-        if side == 0 {
-            path.move_to(x, y);
-        } else {
-            path.line_to(x, y);
-        }
-        corner = turn.rotate(corner);
-    }
-    path.close();
-    path.finish()
 }
 
 impl Colour {

@@ -451,7 +451,7 @@ fn icon() -> Option<Icon> {
     const SIDE: u32 = 64;
     let mut pixmap = tiny_skia::Pixmap::new(SIDE, SIDE)?;
     let middle = f64::from(SIDE) / 2.0;
-    paint::disc(&mut pixmap.as_mut(), DVec2::splat(middle), middle - 2.0, paint::BALL);
+    paint::fill_disc(&mut pixmap.as_mut(), DVec2::splat(middle), middle - 2.0, paint::BALL);
     let straight = pixmap.pixels().iter().map(PremultipliedColorU8::demultiply);
     let rgba = straight.flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()]);
     Icon::from_rgba(rgba.collect(), SIDE, SIDE).ok()

@@ -5,7 +5,7 @@ use glam::DVec2;
 use tiny_skia::{Color, Paint, PathBuilder, PixmapMut, Rect, Stroke, Transform};
 
 use crate::paint::text::{LINE, text, width};
-use crate::paint::{BALL, Colour, disc};
+use crate::paint::{BALL, Colour, fill_disc};
 use crate::simulation::Solver;
 
 use super::keys;
@@ -123,7 +123,7 @@ fn rectangle(pixmap: &mut PixmapMut<'_>, corner: DVec2, extent: DVec2, colour: C
 
 /// Paints the ball that will be added and a line to where its velocity points; all in pixels.
 pub(super) fn throw(pixmap: &mut PixmapMut<'_>, from: DVec2, to: DVec2, radius: f64, scale: f64) {
-    disc(pixmap, from, radius, BALL);
+    fill_disc(pixmap, from, radius, BALL);
     let mut path = PathBuilder::new();
     path.move_to(from.x as f32, from.y as f32);
     path.line_to(to.x as f32, to.y as f32);
