@@ -264,6 +264,50 @@ fn a_paused_window_leaves_the_processor_alone() {
     assert!(used <= 0.04, "{used} s of processor time in 2 s");
 }
 
+/// How many frames a window of two seconds with these arguments presents.
+fn frames_presented(display: &Display, args: &[&str]) -> u32 {
+    let mut window = display.open(&[args, &["--timings"]].concat());
+    sleep(Duration::from_secs(2));
+    window.key("Escape");
+    let said = window.said();
+    let frames = said.split_once(" ms, ").and_then(|(_, rest)| rest.split_once(" frames"));
+    frames.unwrap_or_else(|| panic!("{said}")).0.parse().unwrap()
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_window_in_which_nothing_moves_presents_nothing() {
+    let display = Display::start();
+    // The first pictures, and those that the system asks for as the window appears and gets the focus.
+    let most = 6;
+    for args in [&["elastic", "--paused"][..], &["draw"]] {
+        let frames = frames_presented(&display, args);
+        assert!((1..=most).contains(&frames), "{args:?}: {frames} frames");
+    }
+    let frames = frames_presented(&display, &["move"]);
+    assert!(frames > 2 * most, "what moves is presented: {frames} frames");
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn what_comes_back_into_the_picture_is_painted_whole() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic", "--paused"]);
+    let start = picture(&["elastic"]);
+    let sheet = |shown: &Screenshot| shown.difference(&start).is_some();
+    for _ in 0..3 {
+        window.key("h");
+        window.wait("the help", |window| sheet(&window.screenshot()));
+        window.key("h");
+        window.wait("the picture behind the help", |window| !sheet(&window.screenshot()));
+    }
+    window.resize("900", "600");
+    window.wait("the smaller window", |window| window.screenshot().at(1000, 650) == NOTHING);
+    window.resize("1280", "720");
+    window.key("r");
+    window.wait("the whole picture", |window| !sheet(&window.screenshot()));
+}
+
 /// There is no window manager to minimise the window, so the test does to it what one would.
 #[test]
 #[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]

@@ -2,7 +2,7 @@
 //!
 //! Each frame measures the time since the one before, advances the session by it, paints straight into pixels'
 //! framebuffer and presents it. Where nothing moves (paused, hidden, minimised) no frame is asked for, and the event
-//! loop sleeps.
+//! loop sleeps; where time runs but nothing looks other than before, nothing is painted or presented.
 
 mod clock;
 mod keys;
@@ -27,11 +27,12 @@ use winit::window::{Fullscreen, Icon, Window, WindowId};
 
 use clock::{FrameClock, FrameRate};
 use keys::Action;
+use overlay::{Overlay, Sheet};
 pub use problem::WindowError;
 use screen::Screen;
 use timings::Timings;
 
-use crate::paint;
+use crate::paint::{self, Painter};
 use crate::scene::Scene;
 use crate::session::{Command, Session};
 
@@ -64,6 +65,8 @@ const LOOK_AGAIN: Duration = Duration::from_millis(250);
 /// The longest that a frame simulates, in time of the wall's clock: with the time that painting takes, thirty frames a
 /// second or so remain. Where more happens than can be computed in it, time runs slower and the window still answers.
 const ADVANCE_MOST: Duration = Duration::from_millis(25);
+/// How long to wait for the next frame where this one was not presented, which would have waited for the screen.
+const STILL: Duration = Duration::from_micros(16_667);
 /// How long a notice stands in the title bar.
 const NOTICE: Duration = Duration::from_secs(3);
 
@@ -89,6 +92,8 @@ pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
         options: options.clone(),
         session,
         screen: None,
+        painter: Painter::default(),
+        overlay: Overlay::default(),
         clock: FrameClock::default(),
         rate: FrameRate::default(),
         frames_per_second: None,
@@ -99,6 +104,7 @@ pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
         help: false,
         occluded: false,
         look_again: None,
+        next_frame: None,
         notice: None,
         title: String::new(),
         failure: None,
@@ -130,6 +136,15 @@ fn check_libraries(_scene: &str) -> Result<(), WindowError> {
     Ok(())
 }
 
+/// Which frames are presented.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Present {
+    /// All: the window may have lost what it showed.
+    Always,
+    /// Those that look other than the one before.
+    Changes,
+}
+
 /// The window and what is shown in it.
 struct App {
     /// The scene as the command line named it.
@@ -138,6 +153,9 @@ struct App {
     session: Session,
     /// The window and its framebuffer, once there are.
     screen: Option<(Arc<Window>, Screen)>,
+    painter: Painter,
+    /// What was painted over the balls last.
+    overlay: Overlay,
     clock: FrameClock,
     rate: FrameRate,
     frames_per_second: Option<f64>,
@@ -152,6 +170,8 @@ struct App {
     occluded: bool,
     /// While nothing of the window can be seen: when to look again. The event that would tell may come too early.
     look_again: Option<Instant>,
+    /// While nothing looks other than it did: when to take the next frame.
+    next_frame: Option<Instant>,
     /// Something to say in the title bar, and since when.
     notice: Option<(String, Instant)>,
     /// The title as it was set last.
@@ -188,7 +208,7 @@ impl ApplicationHandler for App {
             WindowEvent::CursorMoved { position, .. } => self.point_at(position),
             WindowEvent::MouseInput { state, button: MouseButton::Left, .. } => self.press(state),
             WindowEvent::RedrawRequested => {
-                if let Err(error) = self.frame() {
+                if let Err(error) = self.frame(Present::Always) {
                     self.fail(event_loop, error);
                 }
             }
@@ -196,8 +216,8 @@ impl ApplicationHandler for App {
         }
     }
 
-    /// Sleeps until something happens, until the notice in the title bar has stood long enough, or until it is time to
-    /// look whether the window can be seen again.
+    /// Sleeps until something happens, until the notice in the title bar has stood long enough, or until it is time for a
+    /// frame that nothing asks for, or to look whether the window can be seen again.
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         let now = Instant::now();
         if self.notice.as_ref().is_some_and(|(_, since)| now >= *since + NOTICE) {
@@ -208,8 +228,13 @@ impl ApplicationHandler for App {
             self.look_again = None;
             self.request_redraw();
         }
+        if self.next_frame.is_some_and(|at| now >= at)
+            && let Err(error) = self.frame(Present::Changes)
+        {
+            self.fail(event_loop, error);
+        }
         let notice_ends = self.notice.as_ref().map(|(_, since)| *since + NOTICE);
-        let wake = notice_ends.into_iter().chain(self.look_again).min();
+        let wake = notice_ends.into_iter().chain(self.look_again).chain(self.next_frame).min();
         event_loop.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 }
@@ -335,10 +360,11 @@ impl App {
         self.request_redraw();
     }
 
-    /// One frame: measure, advance, paint, present.
+    /// One frame: measure, advance, paint, present; the last two where they are needed.
     ///
     /// The world is the window, in px that are as large on every screen: with a scale factor of 2, four pixels to one.
-    fn frame(&mut self) -> Result<(), WindowError> {
+    fn frame(&mut self, present: Present) -> Result<(), WindowError> {
+        self.next_frame = None;
         let Some((window, screen)) = &mut self.screen else { return Ok(()) };
         let (size, scale) = (window.inner_size(), window.scale_factor());
         if self.occluded || size.width == 0 || size.height == 0 || window.is_minimized() == Some(true) {
@@ -356,28 +382,25 @@ impl App {
         let measured = self.clock.tick(start);
         self.session.advance_while(measured, || start.elapsed() < ADVANCE_MOST)?;
         let advanced = Instant::now();
-        if let Some(mut pixmap) = screen.pixmap() {
-            paint::paint(self.session.simulation(), scale, &mut pixmap);
-            if let Some(from) = self.drag
-                && let Some(radius) = self.session.room_at(from)
-            {
-                overlay::throw(&mut pixmap, from * scale, self.pointer * scale, radius * scale, scale);
-            }
-            if self.help {
-                overlay::help(&mut pixmap, scale);
-            } else if self.session.is_behind() && !self.session.is_paused() {
-                overlay::behind(&mut pixmap, self.session.simulation().solver(), scale);
-            }
-        }
+        let changed = self.paint(scale);
         let painted = Instant::now();
+        let Some((window, screen)) = &mut self.screen else { return Ok(()) };
         if window.inner_size() != size {
             // This picture is the wrong size already; the next will not be.
             window.request_redraw();
             return Ok(());
         }
+        if !changed && present == Present::Changes {
+            self.stand_still(start);
+            return Ok(());
+        }
         let presented = screen.present()?;
         if let Some(timings) = &mut self.timings {
             timings.add([advanced - start, painted - advanced, presented.upload, presented.present]);
+        }
+        if !changed {
+            self.stand_still(start);
+            return Ok(());
         }
         if self.session.is_moving() {
             window.request_redraw();
@@ -387,6 +410,50 @@ impl App {
             self.set_title();
         }
         Ok(())
+    }
+
+    /// Paints what looks other than it did last, and tells whether anything does.
+    fn paint(&mut self, scale: f64) -> bool {
+        let overlay = self.overlay();
+        let Some((_, screen)) = &mut self.screen else { return false };
+        let Some((mut pixmap, kept)) = screen.pixmap() else { return false };
+        let (simulation, painter) = (self.session.simulation(), &mut self.painter);
+        let same = std::mem::replace(&mut self.overlay, overlay) == overlay;
+        if !kept {
+            painter.forget();
+        }
+        if same && overlay.is_empty() {
+            return painter.repaint(simulation, scale, &mut pixmap);
+        }
+        if same && !painter.would_change(simulation, scale, (pixmap.width(), pixmap.height())) {
+            return false;
+        }
+        painter.paint(simulation, scale, &mut pixmap);
+        overlay.paint(&mut pixmap, scale);
+        true
+    }
+
+    /// What is to be painted over the balls.
+    fn overlay(&self) -> Overlay {
+        let session = &self.session;
+        let throw = self.drag.and_then(|from| Some((from, self.pointer, session.room_at(from)?)));
+        let behind = session.is_behind() && !session.is_paused();
+        let sheet = if self.help {
+            Some(Sheet::Help)
+        } else {
+            behind.then(|| Sheet::Behind(session.simulation().solver()))
+        };
+        Overlay { throw, sheet }
+    }
+
+    /// After a frame that began at `start` and looked as the one before: asks for the next, where time runs, and says
+    /// nothing of how many there are.
+    fn stand_still(&mut self, start: Instant) {
+        self.next_frame = self.session.is_moving().then_some(start + STILL);
+        self.rate = FrameRate::default();
+        if self.frames_per_second.take().is_some() {
+            self.set_title();
+        }
     }
 
     /// Says something in the title bar, and on standard error for whoever looks there.

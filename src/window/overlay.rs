@@ -29,8 +29,42 @@ const GAP: f64 = 2.5;
 const KEY_CHARACTERS: usize = 11;
 const DOES_CHARACTERS: usize = 22;
 
+/// What is painted over the balls in a frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Overlay {
+    /// A ball that is about to be thrown: its centre, where the pointer is, and its radius, px of the world.
+    pub(super) throw: Option<(DVec2, DVec2, f64)>,
+    pub(super) sheet: Option<Sheet>,
+}
+
+/// A sheet over the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Sheet {
+    /// Every key and what it does.
+    Help,
+    /// Time runs slower than it should, with this solver.
+    Behind(Solver),
+}
+
+impl Overlay {
+    pub(super) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    pub(super) fn paint(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
+        if let Some((from, to, radius)) = self.throw {
+            throw(pixmap, from * scale, to * scale, radius * scale, scale);
+        }
+        match self.sheet {
+            Some(Sheet::Help) => help(pixmap, scale),
+            Some(Sheet::Behind(solver)) => behind(pixmap, solver, scale),
+            None => {}
+        }
+    }
+}
+
 /// Paints the sheet that lists every key, in two columns in the middle of the picture.
-pub(super) fn help(pixmap: &mut PixmapMut<'_>, scale: f64) {
+fn help(pixmap: &mut PixmapMut<'_>, scale: f64) {
     let rows = keys::help();
     let lines = rows.len().div_ceil(2);
     let column = |size: f64| width("m", size) * (KEY_CHARACTERS + DOES_CHARACTERS) as f64;
@@ -55,7 +89,7 @@ pub(super) fn help(pixmap: &mut PixmapMut<'_>, scale: f64) {
 }
 
 /// Paints a strip along the upper edge that says that time runs slower, why, and what to do about it.
-pub(super) fn behind(pixmap: &mut PixmapMut<'_>, solver: Solver, scale: f64) {
+fn behind(pixmap: &mut PixmapMut<'_>, solver: Solver, scale: f64) {
     let solvers: Vec<_> = Solver::ALL.iter().map(|solver| solver.name()).collect();
     let picture = DVec2::new(f64::from(pixmap.width()), f64::from(pixmap.height()));
     let wanted = TEXT_SIZE * scale;
@@ -122,7 +156,7 @@ fn rectangle(pixmap: &mut PixmapMut<'_>, corner: DVec2, extent: DVec2, colour: C
 }
 
 /// Paints the ball that will be added and a line to where its velocity points; all in pixels.
-pub(super) fn throw(pixmap: &mut PixmapMut<'_>, from: DVec2, to: DVec2, radius: f64, scale: f64) {
+fn throw(pixmap: &mut PixmapMut<'_>, from: DVec2, to: DVec2, radius: f64, scale: f64) {
     fill_disc(pixmap, from, radius, BALL);
     let mut path = PathBuilder::new();
     path.move_to(from.x as f32, from.y as f32);

@@ -25,6 +25,8 @@ pub(super) struct Screen {
     device_failed: Arc<AtomicBool>,
     /// Frames in a row that could not be shown.
     failures: u32,
+    /// Whether the framebuffer holds what was painted last.
+    kept: bool,
 }
 
 /// How long the two halves of presenting took.
@@ -50,7 +52,7 @@ impl Screen {
         scene: &str,
     ) -> Result<Self, WindowError> {
         let device_failed = Arc::new(AtomicBool::new(false));
-        let mut screen = Self { pixels: None, window, vsync, size, device_failed, failures: 0 };
+        let mut screen = Self { pixels: None, window, vsync, size, device_failed, failures: 0, kept: false };
         screen.renew().map_err(|error| match error {
             pixels::Error::InvalidTexture(_) => too_large(size),
             error => WindowError::NoAdapter { reason: error.to_string(), scene: scene.to_owned() },
@@ -62,6 +64,7 @@ impl Screen {
     fn renew(&mut self) -> Result<(), pixels::Error> {
         // A window has one surface at a time.
         self.pixels = None;
+        self.kept = false;
         let PhysicalSize { width, height } = self.size;
         let surface = SurfaceTexture::new(width, height, self.window.clone());
         let builder = PixelsBuilder::new(width, height, surface);
@@ -82,6 +85,7 @@ impl Screen {
             let resized = resized.and_then(|()| pixels.resize_buffer(size.width, size.height));
             resized.map_err(|_| too_large(size))?;
         }
+        self.kept = false;
         self.size = size;
         Ok(())
     }
@@ -91,10 +95,11 @@ impl Screen {
         self.size
     }
 
-    /// The framebuffer, to be painted.
-    pub(super) fn pixmap(&mut self) -> Option<PixmapMut<'_>> {
+    /// The framebuffer, to be painted, and whether it still holds what was painted last.
+    pub(super) fn pixmap(&mut self) -> Option<(PixmapMut<'_>, bool)> {
         let PhysicalSize { width, height } = self.size;
-        PixmapMut::from_bytes(self.pixels.as_mut()?.frame_mut(), width, height)
+        let pixmap = PixmapMut::from_bytes(self.pixels.as_mut()?.frame_mut(), width, height)?;
+        Some((pixmap, std::mem::replace(&mut self.kept, true)))
     }
 
     /// What was painted last.
