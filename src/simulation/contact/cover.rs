@@ -112,7 +112,9 @@ impl Near {
                         consider(other as usize);
                     }
                 });
-                moved.iter().for_each(|&other| consider(other as usize));
+                for &other in &*moved {
+                    consider(other as usize);
+                }
                 if !moved.contains(&(at as u32)) {
                     moved.push(at as u32);
                 }

@@ -87,7 +87,7 @@ impl Contact {
         if near.pairs.is_empty() && near.beside.is_empty() {
             return;
         }
-        let stage = &mut Stage { setting, bodies, restitutions, rests, near, hit, tally };
+        let stage = &mut Stage { setting, bodies, restitutions, near, rests, hit, tally };
         course.begin(stage);
         course.foresee_all(stage);
         if !course.queue.is_empty() {

@@ -43,7 +43,7 @@ impl Contact {
     /// Lets balls fall asleep that have rested for a while.
     pub(super) fn fall_asleep(&mut self) {
         let window = (WINDOW * f64::from(self.rate)).ceil() as u64;
-        if !self.sleeps || self.steps % window != 0 {
+        if !self.sleeps || !self.steps.is_multiple_of(window) {
             return;
         }
         self.find_held();

@@ -94,7 +94,7 @@ pub(super) fn meet_walls(
         let before = met.unwrap_or(Met { time: 0.0, shifts: false });
         met = Some(Met {
             time: before.time.max(landed.time),
-            shifts: before.shifts | (landed.fastest * setting.substep > SHIFT * body.radius),
+            shifts: before.shifts || (landed.fastest * setting.substep > SHIFT * body.radius),
         });
     }
     met
