@@ -21,6 +21,13 @@ Examples:
   carom run gravity --deltas frames.txt --trace states.csv --every 10
   carom run walls --size 800x600 --seconds 0 --image first.png";
 
+#[cfg(feature = "report")]
+const REPORT_EXAMPLES: &str = "\
+Examples:
+  carom report                          everything, in report/report.md, in some minutes
+  carom report --quick --out quick      a shorter one
+  carom report --only gravity-1s        one problem, section or case alone";
+
 /// Bouncing balls in a window: the canvas physics demo, native.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
@@ -36,6 +43,10 @@ pub enum Command {
     /// Run a scene without a window
     #[command(after_help = RUN_EXAMPLES)]
     Run(RunArgs),
+    /// Measure the solvers: error against run time, extreme cases, what each part costs
+    #[cfg(feature = "report")]
+    #[command(after_help = REPORT_EXAMPLES)]
+    Report(ReportArgs),
     /// List the built-in scenes: what each shows, uses and leaves out
     #[command(after_help = "Examples:\n  carom scenes\n  carom scenes --json")]
     Scenes {
@@ -135,6 +146,20 @@ pub struct RunArgs {
     /// Write the figures of the run as JSON, instead of a readable summary on standard output
     #[arg(long, value_name = "FILE.json")]
     pub summary: Option<PathBuf>,
+}
+
+#[cfg(feature = "report")]
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// The folder to write the report to
+    #[arg(long, value_name = "DIR", default_value = "report")]
+    pub out: PathBuf,
+    /// Every second setting, fewer runs and less patience
+    #[arg(long)]
+    pub quick: bool,
+    /// One section, problem or case alone; a wrong name lists all
+    #[arg(long, value_name = "NAME")]
+    pub only: Option<String>,
 }
 
 fn size(text: &str) -> Result<DVec2, String> {

@@ -22,6 +22,8 @@
 
 pub mod headless;
 pub mod paint;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod scene;
 pub mod session;
 pub mod simulation;

@@ -7,6 +7,8 @@ use std::process::ExitCode;
 
 use carom::headless::{self, Frames, Run, RunError};
 use carom::paint::AnimationError;
+#[cfg(feature = "report")]
+use carom::report::{self, ReportError};
 #[cfg(feature = "window")]
 use carom::window::WindowError;
 use carom::{Scene, SceneError};
@@ -20,6 +22,8 @@ fn main() -> ExitCode {
     let done = match cli.command {
         None => open_window(&cli.window),
         Some(Command::Run(args)) => run(args),
+        #[cfg(feature = "report")]
+        Some(Command::Report(args)) => write_report(args),
         Some(Command::Scenes { json }) => list_scenes(json),
         Some(Command::Scene { scene }) => print_scene(&scene),
     };
@@ -45,6 +49,9 @@ enum Failure {
     Run(#[from] RunError),
     #[error("standard output: {0}")]
     Stdout(#[from] io::Error),
+    #[cfg(feature = "report")]
+    #[error(transparent)]
+    Report(#[from] ReportError),
     #[cfg(feature = "window")]
     #[error(transparent)]
     Window(#[from] WindowError),
@@ -68,6 +75,8 @@ impl Failure {
                 | RunError::Picture(_)
                 | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
             ) => ExitCode::from(2),
+            #[cfg(feature = "report")]
+            Self::Report(ReportError::Unknown { .. }) => ExitCode::from(2),
             #[cfg(feature = "window")]
             Self::Window(WindowError::Scene(_) | WindowError::TooLarge { .. }) => ExitCode::from(2),
             _ => ExitCode::from(1),
@@ -134,6 +143,13 @@ fn run(args: RunArgs) -> Result<(), Failure> {
         summary: args.summary,
     })?;
     Ok(())
+}
+
+#[cfg(feature = "report")]
+fn write_report(args: cli::ReportArgs) -> Result<(), Failure> {
+    let options = report::Options { folder: args.out, quick: args.quick, only: args.only };
+    let written = report::write(&options)?;
+    Ok(write_stdout(&format!("{}\n", written.display()))?)
 }
 
 fn list_scenes(json: bool) -> Result<(), Failure> {

@@ -1,0 +1,207 @@
+//! Drawing a figure, on whatever `plotters` draws on.
+
+use std::fmt::Display;
+
+use plotters::chart::ChartContext;
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::axis::Places;
+use super::{Curve, FONT, Figure, GREY, Guide, LEGEND, Mark, NUMBERS, Panel, Style};
+
+type Area<DB> = DrawingArea<DB, Shift>;
+type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Places, Places>>;
+
+const WHITE: RGBColor = RGBColor(255, 255, 255);
+const INK: RGBColor = RGBColor(30, 30, 30);
+const GRID: RGBColor = RGBColor(222, 222, 222);
+
+/// Font sizes, px.
+const TITLE: u32 = 19;
+const LABEL: u32 = 16;
+const NUMBER: u32 = 15;
+const NOTE: u32 = 14;
+
+fn told(error: impl Display) -> String {
+    error.to_string()
+}
+
+/// Text of a size, px of the figure at scale 1.
+fn text(size: u32, scale: u32, colour: RGBColor) -> TextStyle<'static> {
+    (FONT, size * scale).into_font().color(&colour)
+}
+
+/// Draws all panels and the legend; `scale` enlarges everything.
+pub(super) fn figure<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale: u32) -> Result<(), String> {
+    area.fill(&WHITE).map_err(told)?;
+    let height = area.dim_in_pixel().1;
+    let (panels, strip) = area.split_vertically(height - LEGEND * figure.legend_rows() as u32 * scale);
+    let rows = figure.panels.len().div_ceil(figure.columns);
+    for (area, one) in panels.split_evenly((rows, figure.columns)).iter().zip(&figure.panels) {
+        panel(area, one, scale)?;
+    }
+    legend(&strip, figure, scale)?;
+    area.present().map_err(told)
+}
+
+fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, scale: u32) -> Result<(), String> {
+    let ((left, right), (bottom, top)) = (panel.x.ends(), panel.y.ends());
+    let mut builder = ChartBuilder::on(area);
+    builder.margin(8 * scale).margin_right(18 * scale).caption(&panel.title, text(TITLE, scale, INK));
+    builder.x_label_area_size(42 * scale).y_label_area_size(66 * scale);
+    let mut chart = builder.build_cartesian_2d(panel.x.places(), panel.y.places()).map_err(told)?;
+    chart
+        .configure_mesh()
+        .bold_line_style(GRID.stroke_width(scale))
+        .light_line_style(TRANSPARENT)
+        .axis_style(INK.stroke_width(scale))
+        .x_labels(panel.x.ticks().len())
+        .y_labels(panel.y.ticks().len())
+        .x_label_formatter(&|place| panel.x.number(*place))
+        .y_label_formatter(&|place| panel.y.number(*place))
+        .label_style((NUMBERS, NUMBER * scale).into_font().color(&INK))
+        .axis_desc_style(text(LABEL, scale, INK))
+        .x_desc(panel.x.label)
+        .y_desc(panel.y.label)
+        .set_all_tick_mark_size(4 * scale)
+        .draw()
+        .map_err(told)?;
+    for guide in &panel.guides {
+        draw_guide(&mut chart, panel, guide, scale)?;
+    }
+    for curve in &panel.curves {
+        draw_curve(&mut chart, panel, curve, scale)?;
+    }
+    if !panel.note.is_empty() {
+        let style = text(NOTE, scale, INK).pos(Pos::new(HPos::Left, VPos::Bottom));
+        let at = (left + 0.015 * (right - left), bottom + 0.02 * (top - bottom));
+        chart.draw_series([Text::new(panel.note.clone(), at, style)]).map_err(told)?;
+    }
+    Ok(())
+}
+
+/// A straight line through the diagram, cut off at its edges, with its name near the end that is farther right.
+fn draw_guide<DB: DrawingBackend>(
+    chart: &mut Chart<'_, DB>,
+    panel: &Panel,
+    guide: &Guide,
+    scale: u32,
+) -> Result<(), String> {
+    let ((left, right), (bottom, top)) = (panel.x.ends(), panel.y.ends());
+    let (x, y) = (panel.x.place(guide.through.0), panel.y.place(guide.through.1));
+    let at_height = |height: f64| x + (height - y) / guide.slope;
+    let (one, other) = (at_height(bottom), at_height(top));
+    let (from, to) = (left.max(one.min(other)), right.min(one.max(other)));
+    if from >= to {
+        return Ok(());
+    }
+    let on_line = |x_place: f64| (x_place, y + guide.slope * (x_place - x));
+    chart
+        .draw_series(LineSeries::new([on_line(from), on_line(to)], GREY.stroke_width(scale)))
+        .map_err(told)?;
+    let style = text(NOTE, scale, GREY).pos(Pos::new(HPos::Left, VPos::Bottom));
+    // Where guides have come apart, and above the line.
+    let at = on_line(from + 0.8 * (to - from));
+    chart.draw_series([Text::new(guide.label.clone(), at, style)]).map_err(told)?;
+    Ok(())
+}
+
+fn draw_curve<DB: DrawingBackend>(
+    chart: &mut Chart<'_, DB>,
+    panel: &Panel,
+    curve: &Curve,
+    scale: u32,
+) -> Result<(), String> {
+    let places: Vec<(f64, f64)> =
+        curve.dots.iter().map(|dot| (panel.x.place(dot.x), panel.y.place(dot.y))).collect();
+    let line = curve.style.colour.stroke_width(2 * scale);
+    match curve.style.dash {
+        None => chart.draw_series(LineSeries::new(places.clone(), line)).map(drop),
+        Some((dash, gap)) => {
+            let series = DashedLineSeries::new(places.clone(), dash * scale, gap * scale, line);
+            chart.draw_series(series).map(drop)
+        }
+    }
+    .map_err(told)?;
+    for (dot, &(_, y)) in curve.dots.iter().zip(&places) {
+        if let Some((least, most)) = dot.spread {
+            let ends = [(panel.x.place(least), y), (panel.x.place(most), y)];
+            chart.draw_series(LineSeries::new(ends, curve.style.colour.stroke_width(scale))).map_err(told)?;
+        }
+    }
+    let fill = curve.style.colour.filled();
+    let marked = places.iter().step_by(curve.marked);
+    match curve.style.mark {
+        Mark::Circle => {
+            chart.draw_series(marked.map(|&at| Circle::new(at, 4 * scale, fill))).map_err(told)?;
+        }
+        Mark::Triangle => {
+            chart.draw_series(marked.map(|&at| TriangleMarker::new(at, 6 * scale, fill))).map_err(told)?;
+        }
+        Mark::Square => {
+            let square = |&at: &(f64, f64)| {
+                let half = 4 * scale as i32;
+                EmptyElement::at(at) + Rectangle::new([(-half, -half), (half, half)], fill)
+            };
+            chart.draw_series(marked.map(square)).map_err(told)?;
+        }
+        Mark::None => {}
+    }
+    Ok(())
+}
+
+/// The curves' names: in a row, or in two columns.
+fn legend<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale: u32) -> Result<(), String> {
+    let entries = figure.legend();
+    let columns = entries.len().div_ceil(figure.legend_rows());
+    let width = area.dim_in_pixel().0 as i32 / columns as i32;
+    let px = scale as i32;
+    // Names beside each other stand close together in the middle; in columns, each below the other.
+    let (first, width) = if figure.legend_rows() == 1 {
+        let width = width.min(150 * px);
+        ((area.dim_in_pixel().0 as i32 - width * columns as i32) / 2, width)
+    } else {
+        (66 * px, width)
+    };
+    for (index, (label, style)) in entries.into_iter().enumerate() {
+        let at = (
+            first + width * (index % columns) as i32,
+            LEGEND as i32 * px * (index / columns) as i32 + LEGEND as i32 * px / 2,
+        );
+        entry(area, at, label, style, scale)?;
+    }
+    Ok(())
+}
+
+/// A line with a mark, and its name.
+fn entry<DB: DrawingBackend>(
+    area: &Area<DB>,
+    (x, y): (i32, i32),
+    label: &str,
+    Style { colour, mark, dash }: Style,
+    scale: u32,
+) -> Result<(), String> {
+    let px = scale as i32;
+    let (line, fill) = (colour.stroke_width(2 * scale), colour.filled());
+    let ends = [(x, y), (x + 32 * px, y)];
+    match dash {
+        None => area.draw(&PathElement::new(ends, line)),
+        Some((dash, gap)) => area.draw(&DashedPathElement::new(ends, dash * scale, gap * scale, line)),
+    }
+    .map_err(told)?;
+    let (at, half) = ((x + 16 * px, y), 4 * px);
+    match mark {
+        Mark::Circle => area.draw(&Circle::new(at, 4 * scale, fill)),
+        Mark::Triangle => area.draw(&TriangleMarker::new(at, 6 * scale, fill)),
+        Mark::Square => {
+            let corners = [(at.0 - half, at.1 - half), (at.0 + half, at.1 + half)];
+            area.draw(&Rectangle::new(corners, fill))
+        }
+        Mark::None => Ok(()),
+    }
+    .map_err(told)?;
+    let style = text(LABEL, scale, INK).pos(Pos::new(HPos::Left, VPos::Center));
+    area.draw(&Text::new(label.to_owned(), (x + 40 * px, y), style)).map_err(told)
+}

@@ -1,0 +1,250 @@
+//! Figures: panels of curves, as SVG and as PNG.
+//!
+//! Both are drawn by the same code with `plotters`, in a font that the program carries, so that a figure needs no font of
+//! the system and looks the same everywhere. Colours are those of Okabe and Ito, which most colour-blind people tell
+//! apart; marks and dashes tell the same in grey.
+
+mod axis;
+mod draw;
+
+use std::sync::OnceLock;
+
+pub(super) use axis::Axis;
+use plotters::prelude::{BitMapBackend, IntoDrawingArea, RGBColor, SVGBackend};
+use plotters::style::{FontStyle, register_font};
+use thiserror::Error;
+use tiny_skia::{IntSize, Pixmap};
+
+use crate::simulation::Solver;
+
+/// A figure could not be drawn.
+#[derive(Debug, Error)]
+#[error("the figure {name} could not be drawn: {why}")]
+pub struct ChartError {
+    name: String,
+    why: String,
+}
+
+/// The shape that a curve's points are marked with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mark {
+    Circle,
+    Square,
+    Triangle,
+    None,
+}
+
+/// How a curve looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Style {
+    pub(super) colour: RGBColor,
+    pub(super) mark: Mark,
+    /// Dashes and gaps, px; none for a line without gaps.
+    pub(super) dash: Option<(u32, u32)>,
+}
+
+const ORANGE: RGBColor = RGBColor(213, 94, 0);
+const BLUE: RGBColor = RGBColor(0, 90, 160);
+const GREEN: RGBColor = RGBColor(0, 158, 115);
+const BLACK: RGBColor = RGBColor(0, 0, 0);
+const GREY: RGBColor = RGBColor(110, 110, 110);
+
+impl Style {
+    /// A solver looks the same in every figure.
+    pub(super) fn of(solver: Solver) -> Self {
+        match solver {
+            Solver::Canvas => Self { colour: ORANGE, mark: Mark::Triangle, dash: Some((7, 4)) },
+            Solver::Exact => Self { colour: BLUE, mark: Mark::Circle, dash: None },
+            Solver::Contact => Self { colour: GREEN, mark: Mark::Square, dash: Some((2, 3)) },
+        }
+    }
+
+    /// What is no solver: reference runs and limits.
+    pub(super) fn plain(dash: Option<(u32, u32)>) -> Self {
+        Self { colour: BLACK, mark: Mark::None, dash }
+    }
+}
+
+/// A point, and how far it may be off to the left and right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Dot {
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) spread: Option<(f64, f64)>,
+}
+
+impl Dot {
+    pub(super) fn at(x: f64, y: f64) -> Self {
+        Self { x, y, spread: None }
+    }
+}
+
+/// Points in a line.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Curve {
+    pub(super) label: String,
+    pub(super) style: Style,
+    pub(super) dots: Vec<Dot>,
+    /// Every which of them has a mark.
+    pub(super) marked: usize,
+}
+
+/// A straight line of this slope through a point, on logarithmic axes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Guide {
+    pub(super) label: String,
+    pub(super) through: (f64, f64),
+    pub(super) slope: f64,
+}
+
+/// One diagram.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Panel {
+    pub(super) title: String,
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) curves: Vec<Curve>,
+    pub(super) guides: Vec<Guide>,
+    /// What is to be said of points that are not there.
+    pub(super) note: String,
+}
+
+/// Panels beside and below each other, with one legend.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Figure {
+    /// The name of its files, without their ending.
+    pub(super) name: String,
+    pub(super) columns: usize,
+    pub(super) panels: Vec<Panel>,
+}
+
+/// A panel's size, px.
+const PANEL: (u32, u32) = (480, 350);
+/// The height of a row of the legend, px.
+const LEGEND: u32 = 30;
+/// Pixels of the PNG for each px.
+const ENLARGED: u32 = 2;
+const FONT: &str = "sans-serif";
+/// The numbers' font: the other has no raised minus.
+const NUMBERS: &str = "monospace";
+
+impl Figure {
+    /// The figure's files: name and content.
+    ///
+    /// # Errors
+    /// [`ChartError`] where the plotting library refuses.
+    pub(super) fn files(&self) -> Result<Vec<(String, Vec<u8>)>, ChartError> {
+        let wrong = |why: String| ChartError { name: self.name.clone(), why };
+        carry_font().map_err(wrong)?;
+        let svg = self.svg().map_err(wrong)?;
+        let png = self.png().map_err(wrong)?;
+        Ok(vec![(format!("{}.svg", self.name), svg.into_bytes()), (format!("{}.png", self.name), png)])
+    }
+
+    /// Its size, px.
+    fn size(&self) -> (u32, u32) {
+        let rows = self.panels.len().div_ceil(self.columns) as u32;
+        (PANEL.0 * self.columns as u32, PANEL.1 * rows + LEGEND * self.legend_rows() as u32)
+    }
+
+    /// The curves' names, each once.
+    fn legend(&self) -> Vec<(&str, Style)> {
+        let mut entries: Vec<(&str, Style)> = Vec::new();
+        for curve in self.panels.iter().flat_map(|panel| &panel.curves) {
+            if entries.iter().all(|(label, _)| *label != curve.label) {
+                entries.push((&curve.label, curve.style));
+            }
+        }
+        entries
+    }
+
+    /// Rows of the legend: what does not stand in one stands in two columns.
+    fn legend_rows(&self) -> usize {
+        let entries = self.legend().len();
+        if entries > 4 { entries.div_ceil(2) } else { 1 }
+    }
+
+    fn svg(&self) -> Result<String, String> {
+        let mut text = String::new();
+        draw::figure(&SVGBackend::with_string(&mut text, self.size()).into_drawing_area(), self, 1)?;
+        Ok(text)
+    }
+
+    fn png(&self) -> Result<Vec<u8>, String> {
+        let (width, height) = self.size();
+        let (width, height) = (width * ENLARGED, height * ENLARGED);
+        let mut pixels = vec![0; 3 * width as usize * height as usize];
+        let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
+        draw::figure(&area, self, ENLARGED)?;
+        drop(area);
+        let opaque = pixels.chunks_exact(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
+        let size = IntSize::from_wh(width, height).ok_or("it has no size")?;
+        let pixmap = Pixmap::from_vec(opaque, size).ok_or("it has the wrong size")?;
+        pixmap.encode_png().map_err(|error| error.to_string())
+    }
+}
+
+/// Tells the plotting library the fonts, once.
+fn carry_font() -> Result<(), String> {
+    static CARRIED: OnceLock<bool> = OnceLock::new();
+    let carry = || {
+        let fonts =
+            [(FONT, epaint_default_fonts::UBUNTU_LIGHT), (NUMBERS, epaint_default_fonts::HACK_REGULAR)];
+        fonts.into_iter().all(|(name, font)| register_font(name, FontStyle::Normal, font).is_ok())
+    };
+    if *CARRIED.get_or_init(carry) {
+        Ok(())
+    } else {
+        Err("the font that the program carries is broken".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure() -> Figure {
+        let curve = |solver: Solver, shift: f64| Curve {
+            label: solver.name().to_owned(),
+            style: Style::of(solver),
+            dots: (0..8).map(|k| Dot::at(1e-6 * 2_f64.powi(k), shift * 0.5_f64.powi(k))).collect(),
+            marked: 1,
+        };
+        let panel = Panel {
+            title: "A test".to_owned(),
+            x: Axis::log("run time, s", [1e-6, 1e-3]),
+            y: Axis::log("error, px", [1e-13, 10.0]),
+            curves: vec![curve(Solver::Canvas, 10.0), curve(Solver::Exact, 1e-10)],
+            guides: vec![Guide { label: "order 1".to_owned(), through: (1e-6, 10.0), slope: -1.0 }],
+            note: "contact: given up".to_owned(),
+        };
+        Figure { name: "test".to_owned(), columns: 2, panels: vec![panel.clone(), panel] }
+    }
+
+    #[test]
+    fn a_figure_is_an_svg_and_a_png_of_twice_its_size() {
+        let files = figure().files().unwrap();
+        assert_eq!([&*files[0].0, &*files[1].0], ["test.svg", "test.png"]);
+        let svg = String::from_utf8(files[0].1.clone()).unwrap();
+        assert!(svg.contains("order 1") && svg.contains("exact") && svg.contains("10⁻¹²"), "{svg}");
+        let png = Pixmap::decode_png(&files[1].1).unwrap();
+        assert_eq!((png.width(), png.height()), (1920, 760));
+        // The curves are there in their colours.
+        let has = |colour: RGBColor| {
+            png.pixels()
+                .iter()
+                .any(|pixel| (pixel.red(), pixel.green(), pixel.blue()) == (colour.0, colour.1, colour.2))
+        };
+        assert!(has(ORANGE) && has(BLUE) && !has(GREEN));
+    }
+
+    #[cfg(feature = "window")]
+    #[test]
+    fn the_font_has_every_character_that_figures_use() {
+        let font = ttf_parser::Face::parse(epaint_default_fonts::UBUNTU_LIGHT, 0).unwrap();
+        for character in "0123456789.,:;()/·–−×=+²³¹⁰⁴⁵⁶⁷⁸⁹⁻µabcxyzABCXYZ'%".chars()
+        {
+            assert!(font.glyph_index(character).is_some(), "{character}");
+        }
+    }
+}

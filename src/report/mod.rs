@@ -1,0 +1,168 @@
+//! `carom report`: which solver to trust, for what, and at what cost.
+//!
+//! - `problems` are scenes of which it is known where their balls are, in closed form or by a run of `reference`, a plain
+//!   event-driven method with twice the digits of an f64;
+//! - `accuracy` sets each solver's error against its run time, over a ladder of settings, as a work-precision diagram
+//!   (Hairer, Nørsett & Wanner 1993, section II.10), and `growth` follows errors as chaos makes them grow;
+//! - `chart` draws, and `document` writes.
+
+mod accuracy;
+mod chart;
+mod document;
+mod fit;
+mod growth;
+mod machine;
+mod problems;
+mod progress;
+mod reference;
+mod setting;
+mod timing;
+
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+pub use chart::ChartError;
+use document::{Section, Table};
+use problems::{Problem, Unposed};
+use progress::Progress;
+use timing::Effort;
+
+use crate::headless::{Output, OutputError};
+
+/// What to report, and where.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The folder for its files; it is made where there is none.
+    pub folder: PathBuf,
+    /// Every second setting, fewer runs and less patience.
+    pub quick: bool,
+    /// One section, problem or case alone.
+    pub only: Option<String>,
+}
+
+/// Why there is no report.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// There is no section, problem or case of this name.
+    #[error("there is nothing named \"{name}\" in the report; choose from: {}", known.join(", "))]
+    Unknown {
+        /// The name.
+        name: String,
+        /// All names.
+        known: Vec<&'static str>,
+    },
+    /// The folder cannot be made.
+    #[error("{}: {source}; give a folder that can be made", folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Chart(ChartError),
+    /// A problem cannot be posed: a defect.
+    #[error("a problem of the report is wrong: {0}")]
+    Unposed(String),
+}
+
+impl From<Unposed> for ReportError {
+    fn from(error: Unposed) -> Self {
+        Self::Unposed(error.to_string())
+    }
+}
+
+/// What all sections share.
+struct Context {
+    quick: bool,
+    effort: Effort,
+    progress: Progress,
+}
+
+const SECTIONS: [&str; 2] = ["accuracy", "growth"];
+
+/// Measures, and writes the report.
+///
+/// # Errors
+/// [`ReportError`]; what failed in a solver is no error, but stands in the report.
+pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
+    let mut problems = Problem::all()?;
+    let only = options.only.as_deref();
+    if let Some(name) = only {
+        let known: Vec<&'static str> =
+            SECTIONS.into_iter().chain(problems.iter().map(|problem| problem.name)).collect();
+        if !known.contains(&name) {
+            return Err(ReportError::Unknown { name: name.to_owned(), known });
+        }
+        if name != "accuracy" {
+            problems.retain(|problem| problem.name == name);
+        }
+    }
+    fs::create_dir_all(&options.folder)
+        .map_err(|source| ReportError::Folder { folder: options.folder.clone(), source })?;
+    let wanted = |section: &str| only.is_none_or(|name| name == section);
+    let effort = if options.quick { Effort::quick() } else { Effort::full() };
+    let mut context = Context { quick: options.quick, effort, progress: Progress::new(0) };
+    let mut steps = accuracy::steps(&context, problems.len());
+    if wanted("growth") {
+        steps += growth::steps();
+    }
+    context.progress = Progress::new(steps);
+    let mut sections = Vec::new();
+    if !problems.is_empty() {
+        sections.push(accuracy::section(&problems, &mut context)?);
+    }
+    if wanted("growth") {
+        sections.push(growth::section(&mut context)?);
+    }
+    write_all(options, &sections)
+}
+
+fn write_all(options: &Options, sections: &[Section]) -> Result<PathBuf, ReportError> {
+    let mut text = introduction(options);
+    for section in sections {
+        text += &section.text;
+        for (name, content) in &section.files {
+            Output::create(&options.folder.join(name))?.complete(content)?;
+        }
+    }
+    text += &failures(sections);
+    let path = options.folder.join("report.md");
+    Output::create(&path)?.complete(text.as_bytes())?;
+    Ok(path)
+}
+
+fn introduction(options: &Options) -> String {
+    let mut section = Section::default();
+    section.say("# Which solver to trust, for what, and at what cost");
+    section.say("Written by `carom report`. Numbers here are rounded; the CSV files beside this page have them whole.");
+    let mut table = Table::new(&["", ""]);
+    for (name, value) in machine::lines() {
+        table.row(vec![name.to_owned(), value]);
+    }
+    let settings =
+        if options.quick { "quick: every second setting, few runs, little patience" } else { "full" };
+    table.row(vec!["report".to_owned(), settings.to_owned()]);
+    section.say(table.markdown());
+    section.text
+}
+
+fn failures(sections: &[Section]) -> String {
+    let mut section = Section::default();
+    section.heading("What failed");
+    let failures: Vec<&String> = sections.iter().flat_map(|section| &section.failures).collect();
+    if failures.is_empty() {
+        section.say("Nothing that was measured here failed.");
+    } else {
+        let lines: Vec<String> = failures.iter().map(|failure| format!("- {failure}")).collect();
+        section.say(lines.join("\n"));
+    }
+    section.text
+}

@@ -1,0 +1,225 @@
+//! The settings that each solver is run with, and a run with one of them.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+use crate::simulation::limits::{DEFAULT_REST_SPEED, OutOfRange};
+use crate::simulation::{Ball, BuildError, Simulation, Solver, World};
+
+/// Frames or substeps in a second: the ladder of the solvers that take steps.
+const RATES: [u32; 9] = [30, 60, 120, 240, 480, 960, 1920, 3840, 7680];
+/// px/s: the ladder of the one that knows events alone.
+const REST_SPEEDS: [f64; 8] = [10.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+/// How often a run is looked at, 1/s; every rate is a multiple.
+pub(super) const LOOKS: u32 = 30;
+/// A rest of time that is this part of a step is none.
+const ROUNDING: f64 = 1e-6;
+
+/// A solver and what it is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Setting {
+    /// `canvas`, with so many frames a second.
+    Frames(u32),
+    /// `contact`, with so many substeps a second.
+    Substeps(u32),
+    /// `exact`, with this rest speed, px/s.
+    RestSpeed(f64),
+}
+
+/// Why a run has no result.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum GivenUp {
+    /// It came to this time, s, and not further, in the time that it had.
+    Late {
+        /// What it came to, s.
+        at: f64,
+    },
+    /// It was refused.
+    Refused(String),
+}
+
+impl fmt::Display for GivenUp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Late { at } => write!(f, "it had come to {at:.3} s when its time was up"),
+            Self::Refused(why) => f.write_str(why),
+        }
+    }
+}
+
+impl From<OutOfRange> for GivenUp {
+    fn from(error: OutOfRange) -> Self {
+        Self::Refused(error.to_string())
+    }
+}
+
+impl From<BuildError> for GivenUp {
+    fn from(error: BuildError) -> Self {
+        Self::Refused(error.to_string())
+    }
+}
+
+impl Setting {
+    /// A solver's ladder, from its coarsest setting to its finest; every second of them in a quick report.
+    pub(super) fn ladder(solver: Solver, quick: bool) -> Vec<Self> {
+        let every = if quick { 2 } else { 1 };
+        match solver {
+            Solver::Canvas => RATES.into_iter().step_by(every).map(Self::Frames).collect(),
+            Solver::Contact => RATES.into_iter().step_by(every).map(Self::Substeps).collect(),
+            Solver::Exact => REST_SPEEDS.into_iter().step_by(every).map(Self::RestSpeed).collect(),
+        }
+    }
+
+    /// What a solver does where it is told nothing: the demo's frames, and each solver's own default.
+    pub(super) fn default_of(solver: Solver) -> Self {
+        match solver {
+            Solver::Canvas => Self::Frames(60),
+            Solver::Contact => Self::Substeps(240),
+            Solver::Exact => Self::RestSpeed(DEFAULT_REST_SPEED),
+        }
+    }
+
+    pub(super) fn solver(self) -> Solver {
+        match self {
+            Self::Frames(_) => Solver::Canvas,
+            Self::Substeps(_) => Solver::Contact,
+            Self::RestSpeed(_) => Solver::Exact,
+        }
+    }
+
+    /// What is small where the setting is fine: the step, s, or the rest speed, px/s.
+    pub(super) fn size(self) -> f64 {
+        match self {
+            Self::Frames(rate) | Self::Substeps(rate) => 1.0 / f64::from(rate),
+            Self::RestSpeed(speed) => speed,
+        }
+    }
+
+    /// The name of the quantity that is set, with its unit.
+    pub(super) fn quantity(self) -> &'static str {
+        match self {
+            Self::Frames(_) => "frame_s",
+            Self::Substeps(_) => "substep_s",
+            Self::RestSpeed(_) => "rest_speed_px_per_s",
+        }
+    }
+
+    /// A simulation of these balls with this setting.
+    pub(super) fn build(self, world: &World, balls: &[Ball]) -> Result<Simulation, GivenUp> {
+        let simulation = Simulation::new(*world, balls.to_vec(), self.solver())?;
+        Ok(match self {
+            Self::Frames(_) => simulation,
+            Self::Substeps(rate) => simulation.with_substeps(rate)?,
+            Self::RestSpeed(speed) => simulation.with_rest_speed(speed)?,
+        })
+    }
+
+    /// Runs for `seconds` as a caller would who wants the end alone, and returns the seconds that this took.
+    pub(super) fn time(
+        self,
+        world: &World,
+        balls: &[Ball],
+        seconds: f64,
+        limit: Duration,
+    ) -> Result<f64, GivenUp> {
+        let mut simulation = self.build(world, balls)?;
+        let start = Instant::now();
+        self.advance(&mut simulation, seconds, start + limit)?;
+        Ok(start.elapsed().as_secs_f64())
+    }
+
+    /// Runs for `seconds`, and lets `look` see the balls 30 times a second and at the end.
+    pub(super) fn watch(
+        self,
+        world: &World,
+        balls: &[Ball],
+        seconds: f64,
+        limit: Duration,
+        mut look: impl FnMut(f64, &Simulation),
+    ) -> Result<Simulation, GivenUp> {
+        let mut simulation = self.build(world, balls)?;
+        let deadline = Instant::now() + limit;
+        let times = looks(seconds);
+        let mut before = 0.0;
+        for &time in &times {
+            self.advance(&mut simulation, time - before, deadline)?;
+            look(time, &simulation);
+            before = time;
+        }
+        Ok(simulation)
+    }
+
+    /// Moves on by `seconds`: in frames where the solver has any, with the rest in a shorter one; else at once.
+    fn advance(self, simulation: &mut Simulation, seconds: f64, deadline: Instant) -> Result<(), GivenUp> {
+        let late = |simulation: &Simulation| GivenUp::Late { at: simulation.time() };
+        let Self::Frames(rate) = self else {
+            let mut looks = 0_u32;
+            let go_on = || {
+                looks += 1;
+                !looks.is_multiple_of(16) || Instant::now() < deadline
+            };
+            let done = simulation.advance_while(seconds, go_on)?;
+            return if done < seconds { Err(late(simulation)) } else { Ok(()) };
+        };
+        if simulation.time() == 0.0 {
+            // The demo's first frame has no seconds.
+            simulation.advance(0.0)?;
+        }
+        let delta = 1.0 / f64::from(rate);
+        let frames = seconds * f64::from(rate);
+        let whole = (frames + ROUNDING).floor();
+        for frame in 0..whole as u64 {
+            simulation.advance(delta)?;
+            if frame.is_multiple_of(16) && Instant::now() > deadline {
+                return Err(late(simulation));
+            }
+        }
+        if frames - whole > ROUNDING {
+            simulation.advance((frames - whole) * delta)?;
+        }
+        Ok(())
+    }
+}
+
+/// When a run of so many seconds is looked at: 30 times a second, and at its end.
+pub(super) fn looks(seconds: f64) -> Vec<f64> {
+    let whole = (seconds * f64::from(LOOKS) + ROUNDING).floor() as u32;
+    let mut times: Vec<f64> = (1..=whole).map(|look| f64::from(look) / f64::from(LOOKS)).collect();
+    if times.last().is_none_or(|&last| seconds - last > ROUNDING / f64::from(LOOKS)) {
+        times.push(seconds);
+    }
+    times
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frames(rate) => write!(f, "frames of 1/{rate} s"),
+            Self::Substeps(rate) => write!(f, "substeps of 1/{rate} s"),
+            Self::RestSpeed(speed) => write!(f, "rest speed {speed:e} px/s"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_is_looked_at_evenly_and_at_its_end() {
+        assert_eq!(looks(0.1), [1.0 / 30.0, 2.0 / 30.0, 0.1]);
+        assert_eq!(looks(0.05).len(), 2);
+        assert_eq!(looks(1.01).len(), 31);
+        assert_eq!(looks(0.001), [0.001]);
+    }
+
+    #[test]
+    fn ladders_go_from_coarse_to_fine_and_hold_the_default_settings() {
+        for &solver in Solver::ALL {
+            let ladder = Setting::ladder(solver, false);
+            assert!(ladder.windows(2).all(|pair| pair[0].size() > pair[1].size()));
+            assert!(ladder.contains(&Setting::default_of(solver)));
+            assert!(Setting::ladder(solver, true).len() * 2 <= ladder.len() + 1);
+        }
+    }
+}
