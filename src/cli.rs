@@ -160,6 +160,9 @@ pub struct ReportArgs {
     /// One section, problem or case alone; a wrong name lists all
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
+    /// Run one cell of the stability table, as the report does in a process of its own
+    #[arg(long, value_name = "CASE/SOLVER", hide = true)]
+    pub cell: Option<String>,
 }
 
 fn size(text: &str) -> Result<DVec2, String> {

@@ -147,7 +147,11 @@ fn run(args: RunArgs) -> Result<(), Failure> {
 
 #[cfg(feature = "report")]
 fn write_report(args: cli::ReportArgs) -> Result<(), Failure> {
-    let options = report::Options { folder: args.out, quick: args.quick, only: args.only };
+    if let Some(cell) = args.cell {
+        return Ok(write_stdout(&report::cell(&cell, args.quick)?)?);
+    }
+    let program = std::env::current_exe().ok();
+    let options = report::Options { folder: args.out, quick: args.quick, only: args.only, program };
     let written = report::write(&options)?;
     Ok(write_stdout(&format!("{}\n", written.display()))?)
 }

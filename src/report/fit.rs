@@ -4,9 +4,9 @@
 const CORRELATION: f64 = 0.95;
 
 /// The slope of the least-squares line through logarithms: the order in which an error falls with what is small.
-/// `None` of fewer than three points, and where they do not lie on a line.
+/// `None` of fewer than four points, and where they do not lie on a line.
 pub(super) fn order(points: &[(f64, f64)]) -> Option<f64> {
-    if points.len() < 3 {
+    if points.len() < 4 {
         return None;
     }
     let count = points.len() as f64;
@@ -27,8 +27,8 @@ mod tests {
     fn the_order_of_a_power_is_its_exponent() {
         let points: Vec<(f64, f64)> = (1..6).map(|k| (0.5_f64.powi(k), 3.0 * 0.25_f64.powi(k))).collect();
         assert!((order(&points).unwrap() - 2.0).abs() < 1e-12);
-        assert_eq!(order(&points[..2]), None);
-        assert_eq!(order(&[(1.0, 1.0), (1.0, 2.0), (1.0, 3.0)]), None);
+        assert_eq!(order(&points[..3]), None);
+        assert_eq!(order(&[(1.0, 1.0), (1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]), None);
         assert_eq!(order(&[(1.0, 1.0), (2.0, 7.0), (3.0, 1.0), (4.0, 7.0)]), None);
     }
 }

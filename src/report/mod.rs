@@ -16,6 +16,7 @@ mod problems;
 mod progress;
 mod reference;
 mod setting;
+mod stability;
 mod timing;
 
 use std::fs;
@@ -41,6 +42,9 @@ pub struct Options {
     pub quick: bool,
     /// One section, problem or case alone.
     pub only: Option<String>,
+    /// The program itself, which [`cell`]s of the stability table are run by, each in a process of its own. Without it they
+    /// run in this process, which ends with a solver that aborts.
+    pub program: Option<PathBuf>,
 }
 
 /// Why there is no report.
@@ -86,7 +90,17 @@ struct Context {
     progress: Progress,
 }
 
-const SECTIONS: [&str; 2] = ["accuracy", "growth"];
+const SECTIONS: [&str; 3] = ["accuracy", "growth", "stability"];
+
+/// One cell of the stability table, `case/solver`, as JSON: what the report runs itself for.
+///
+/// # Errors
+/// [`ReportError::Unknown`] where there is no such cell.
+pub fn cell(name: &str, quick: bool) -> Result<String, ReportError> {
+    let cell = stability::cell(name, quick);
+    let json = cell.and_then(|cell| serde_json::to_string(&cell).ok());
+    json.ok_or_else(|| ReportError::Unknown { name: name.to_owned(), known: stability::names() })
+}
 
 /// Measures, and writes the report.
 ///
@@ -95,9 +109,13 @@ const SECTIONS: [&str; 2] = ["accuracy", "growth"];
 pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
     let mut problems = Problem::all()?;
     let only = options.only.as_deref();
+    let cases = stability::names();
     if let Some(name) = only {
-        let known: Vec<&'static str> =
-            SECTIONS.into_iter().chain(problems.iter().map(|problem| problem.name)).collect();
+        let known: Vec<&'static str> = SECTIONS
+            .into_iter()
+            .chain(problems.iter().map(|problem| problem.name))
+            .chain(cases.clone())
+            .collect();
         if !known.contains(&name) {
             return Err(ReportError::Unknown { name: name.to_owned(), known });
         }
@@ -108,11 +126,16 @@ pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
     fs::create_dir_all(&options.folder)
         .map_err(|source| ReportError::Folder { folder: options.folder.clone(), source })?;
     let wanted = |section: &str| only.is_none_or(|name| name == section);
+    let case = only.filter(|name| cases.contains(name));
+    let stability_wanted = wanted("stability") || case.is_some();
     let effort = if options.quick { Effort::quick() } else { Effort::full() };
     let mut context = Context { quick: options.quick, effort, progress: Progress::new(0) };
     let mut steps = accuracy::steps(&context, problems.len());
     if wanted("growth") {
         steps += growth::steps();
+    }
+    if stability_wanted {
+        steps += stability::steps(case);
     }
     context.progress = Progress::new(steps);
     let mut sections = Vec::new();
@@ -121,6 +144,9 @@ pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
     }
     if wanted("growth") {
         sections.push(growth::section(&mut context)?);
+    }
+    if stability_wanted {
+        sections.push(stability::section(case, options.program.as_deref(), &mut context)?);
     }
     write_all(options, &sections)
 }

@@ -196,7 +196,8 @@ impl fmt::Display for Setting {
         match self {
             Self::Frames(rate) => write!(f, "frames of 1/{rate} s"),
             Self::Substeps(rate) => write!(f, "substeps of 1/{rate} s"),
-            Self::RestSpeed(speed) => write!(f, "rest speed {speed:e} px/s"),
+            Self::RestSpeed(speed) if *speed < 1.0 => write!(f, "rest speed {speed:e} px/s"),
+            Self::RestSpeed(speed) => write!(f, "rest speed {speed} px/s"),
         }
     }
 }

@@ -75,8 +75,8 @@ fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, scale: u32) -> Resu
         draw_curve(&mut chart, panel, curve, scale)?;
     }
     if !panel.note.is_empty() {
-        let style = text(NOTE, scale, INK).pos(Pos::new(HPos::Left, VPos::Bottom));
-        let at = (left + 0.015 * (right - left), bottom + 0.02 * (top - bottom));
+        let style = text(NOTE, scale, INK).pos(Pos::new(HPos::Right, VPos::Bottom));
+        let at = (right - 0.015 * (right - left), bottom + 0.02 * (top - bottom));
         chart.draw_series([Text::new(panel.note.clone(), at, style)]).map_err(told)?;
     }
     Ok(())
