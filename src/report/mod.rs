@@ -12,6 +12,7 @@ mod document;
 mod fit;
 mod growth;
 mod machine;
+mod parts;
 mod problems;
 mod progress;
 mod reference;
@@ -90,7 +91,14 @@ struct Context {
     progress: Progress,
 }
 
-const SECTIONS: [&str; 3] = ["accuracy", "growth", "stability"];
+const SECTIONS: [&str; 4] = ["accuracy", "growth", "stability", "parts"];
+
+impl Context {
+    #[cfg(test)]
+    fn quick() -> Self {
+        Self { quick: true, effort: Effort::quick(), progress: Progress::new(0) }
+    }
+}
 
 /// One cell of the stability table, `case/solver`, as JSON: what the report runs itself for.
 ///
@@ -137,6 +145,9 @@ pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
     if stability_wanted {
         steps += stability::steps(case);
     }
+    if wanted("parts") {
+        steps += parts::steps();
+    }
     context.progress = Progress::new(steps);
     let mut sections = Vec::new();
     if !problems.is_empty() {
@@ -147,6 +158,9 @@ pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
     }
     if stability_wanted {
         sections.push(stability::section(case, options.program.as_deref(), &mut context)?);
+    }
+    if wanted("parts") {
+        sections.push(parts::section(&mut context)?);
     }
     write_all(options, &sections)
 }

@@ -11,21 +11,28 @@ pub(in crate::report) struct Axis {
     log: bool,
     low: f64,
     high: f64,
+    /// What stands at 0, 1, … instead of numbers, where anything does.
+    names: &'static [&'static str],
 }
 
 impl Axis {
+    /// An axis with a name at each whole number from 0.
+    pub(in crate::report) fn named(label: &'static str, names: &'static [&'static str]) -> Self {
+        Self { label, log: false, low: 0.0, high: names.len() as f64 - 1.0, names }
+    }
+
     /// A logarithmic axis of whole decades that holds all of these values but those that are not positive.
     pub(in crate::report) fn log(label: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
         let positive = values.into_iter().filter(|&value| value > 0.0 && value.is_finite());
         let (low, high) =
             positive.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
         let (low, high) = if low <= high { (low.log10().floor(), high.log10().ceil()) } else { (0.0, 1.0) };
-        Self { label, log: true, low, high: high.max(low + 1.0) }
+        Self { label, log: true, low, high: high.max(low + 1.0), names: &[] }
     }
 
     /// A linear axis between two values.
     pub(in crate::report) fn linear(label: &'static str, (low, high): (f64, f64)) -> Self {
-        Self { label, log: false, low, high }
+        Self { label, log: false, low, high, names: &[] }
     }
 
     /// The axis as the plotting library takes it, which is told places.
@@ -49,6 +56,9 @@ impl Axis {
     /// Places with a line and a number.
     pub(super) fn ticks(&self) -> Vec<f64> {
         let span = self.high - self.low;
+        if !self.names.is_empty() {
+            return (0..self.names.len()).map(|place| place as f64).collect();
+        }
         let least = if self.log { 1.0 } else { 0.0 };
         let steps = [1.0, 2.0, 3.0, 4.0, 5.0, 10.0, 20.0, 50.0, 100.0];
         let step = steps.into_iter().find(|&step| step >= least && span / step <= 9.0).unwrap_or(span / 8.0);
@@ -58,6 +68,9 @@ impl Axis {
 
     /// The number at a tick.
     pub(super) fn number(&self, place: f64) -> String {
+        if let Some(name) = self.names.get(place.round() as usize) {
+            return (*name).to_owned();
+        }
         if self.log { power_of_ten(place.round() as i32) } else { format!("{place}") }
     }
 }
