@@ -2,11 +2,12 @@
 //! with substeps that holds piles.
 //!
 //! The folders are the story of a frame. A [`scene`] file becomes a [`Simulation`]; the simulation is advanced by a
-//! measured delta; what it holds is painted ([`paint`]); the picture is shown in a window, or written by [`headless`].
+//! measured delta; what it holds is painted ([`paint`]); the picture is shown in a window, or written by [`headless`]. What
+//! the solvers are worth, and what they cost, is measured by `report`.
 //! Imports run one way only:
 //!
 //! ```text
-//! simulation  <-  scene  <-  session  <-  paint, headless  <-  window  <-  the program
+//! simulation  <-  scene  <-  session  <-  paint, headless  <-  report, window  <-  the program
 //! ```
 //!
 //! ```

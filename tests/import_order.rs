@@ -1,6 +1,6 @@
 //! The house stays as drawn: which part of the program may import which.
 //!
-//! `simulation <- scene <- session <- paint, headless <- window <- the program`, and libraries only where they belong.
+//! `simulation <- scene <- session <- paint, headless <- report, window <- the program`, and libraries only where they belong.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,6 +19,23 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
         "headless",
         &["simulation", "scene", "paint"],
         &["gif", "indicatif", "serde", "serde_json", "tempfile", "thiserror", "tiny_skia"],
+    ),
+    (
+        "report",
+        // Of headless, how output files are written.
+        &["simulation", "scene", "headless"],
+        &[
+            "epaint_default_fonts",
+            "glam",
+            "indicatif",
+            "plotters",
+            "qd",
+            "serde",
+            "serde_json",
+            "thiserror",
+            "tiny_skia",
+            "ttf_parser",
+        ],
     ),
     (
         "window",

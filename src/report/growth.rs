@@ -153,6 +153,7 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
             style: growth.style,
             dots: growth.errors.iter().map(|&(time, error)| Dot::at(time, error)).collect(),
             marked: LOOKS as usize,
+            lined: true,
         });
         panels.push(Panel {
             title: format!("The demo's {scene}"),

@@ -12,6 +12,7 @@ pub(super) fn lines() -> Vec<(&'static str, String)> {
     };
     vec![
         ("carom", env!("CARGO_PKG_VERSION").to_owned()),
+        ("compiler", env!("CAROM_COMPILER").to_owned()),
         ("build", build.to_owned()),
         ("compiled for", format!("{} {}", std::env::consts::ARCH, std::env::consts::OS)),
         ("processor", processor().unwrap_or_else(|| "unknown".to_owned())),

@@ -217,10 +217,11 @@ fn figure(all: &[(&str, Solver, Vec<Cost>)]) -> Figure {
             style: Style::of(solver),
             dots: dots(<[Cost]>::last),
             marked: 1,
+            lined: false,
         });
         if solver == Solver::Canvas {
-            let (label, style) = ("canvas, the same balls only moved".to_owned(), Style::plain(Some((2, 3))));
-            curves.push(Curve { label, style, dots: dots(<[Cost]>::first), marked: 1 });
+            let (label, style) = ("only moved, by canvas".to_owned(), Style::plain(Some((2, 3))));
+            curves.push(Curve { label, style, dots: dots(<[Cost]>::first), marked: 1, lined: true });
         }
     }
     let values: Vec<f64> = curves.iter().flat_map(|curve| curve.dots.iter().map(|dot| dot.y)).collect();

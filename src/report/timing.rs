@@ -73,13 +73,6 @@ pub(super) fn repeat<E>(effort: &Effort, mut run: impl FnMut() -> Result<f64, E>
     Ok(Spread::of(seconds))
 }
 
-/// The seconds that something takes.
-pub(super) fn seconds(work: impl FnOnce()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_secs_f64()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

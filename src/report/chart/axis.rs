@@ -35,6 +35,11 @@ impl Axis {
         Self { label, log: false, low, high, names: &[] }
     }
 
+    /// Whether names stand at it instead of numbers.
+    pub(super) fn is_named(&self) -> bool {
+        !self.names.is_empty()
+    }
+
     /// The axis as the plotting library takes it, which is told places.
     pub(super) fn places(&self) -> Places {
         Places { ends: self.ends(), ticks: self.ticks() }
@@ -56,7 +61,7 @@ impl Axis {
     /// Places with a line and a number.
     pub(super) fn ticks(&self) -> Vec<f64> {
         let span = self.high - self.low;
-        if !self.names.is_empty() {
+        if self.is_named() {
             return (0..self.names.len()).map(|place| place as f64).collect();
         }
         let least = if self.log { 1.0 } else { 0.0 };

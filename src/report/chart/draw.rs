@@ -51,6 +51,7 @@ fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, scale: u32) -> Resu
     let mut builder = ChartBuilder::on(area);
     builder.margin(8 * scale).margin_right(18 * scale).caption(&panel.title, text(TITLE, scale, INK));
     builder.x_label_area_size(42 * scale).y_label_area_size(66 * scale);
+    let numbers: TextStyle<'static> = (NUMBERS, NUMBER * scale).into_font().color(&INK);
     let mut chart = builder.build_cartesian_2d(panel.x.places(), panel.y.places()).map_err(told)?;
     chart
         .configure_mesh()
@@ -61,7 +62,8 @@ fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, scale: u32) -> Resu
         .y_labels(panel.y.ticks().len())
         .x_label_formatter(&|place| panel.x.number(*place))
         .y_label_formatter(&|place| panel.y.number(*place))
-        .label_style((NUMBERS, NUMBER * scale).into_font().color(&INK))
+        .label_style(numbers.clone())
+        .x_label_style(if panel.x.is_named() { text(NUMBER, scale, INK) } else { numbers })
         .axis_desc_style(text(LABEL, scale, INK))
         .x_desc(panel.x.label)
         .y_desc(panel.y.label)
@@ -118,6 +120,7 @@ fn draw_curve<DB: DrawingBackend>(
         curve.dots.iter().map(|dot| (panel.x.place(dot.x), panel.y.place(dot.y))).collect();
     let line = curve.style.colour.stroke_width(2 * scale);
     match curve.style.dash {
+        _ if !curve.lined => Ok(()),
         None => chart.draw_series(LineSeries::new(places.clone(), line)).map(drop),
         Some((dash, gap)) => {
             let series = DashedLineSeries::new(places.clone(), dash * scale, gap * scale, line);
@@ -152,25 +155,28 @@ fn draw_curve<DB: DrawingBackend>(
     Ok(())
 }
 
-/// The curves' names: in a row, or in two columns.
+/// The curves' names: in a row in the middle, or in two columns.
 fn legend<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale: u32) -> Result<(), String> {
     let entries = figure.legend();
-    let columns = entries.len().div_ceil(figure.legend_rows());
-    let width = area.dim_in_pixel().0 as i32 / columns as i32;
     let px = scale as i32;
-    // Names beside each other stand close together in the middle; in columns, each below the other.
-    let (first, width) = if figure.legend_rows() == 1 {
-        let width = width.min(150 * px);
-        ((area.dim_in_pixel().0 as i32 - width * columns as i32) / 2, width)
-    } else {
-        (66 * px, width)
+    let (row, style) = (LEGEND as i32 * px, text(LABEL, scale, INK));
+    let width = |label: &str| {
+        let size = area.estimate_text_size(label, &style).map_err(told)?;
+        Ok::<i32, String>(size.0 as i32 + 66 * px)
     };
+    let whole = area.dim_in_pixel().0 as i32;
+    if figure.legend_rows() == 1 {
+        let widths = entries.iter().map(|(label, _)| width(label)).collect::<Result<Vec<i32>, String>>()?;
+        let mut x = (whole - widths.iter().sum::<i32>() + 26 * px) / 2;
+        for ((label, style), width) in entries.into_iter().zip(widths) {
+            entry(area, (x, row / 2), label, style, scale)?;
+            x += width;
+        }
+        return Ok(());
+    }
     for (index, (label, style)) in entries.into_iter().enumerate() {
-        let at = (
-            first + width * (index % columns) as i32,
-            LEGEND as i32 * px * (index / columns) as i32 + LEGEND as i32 * px / 2,
-        );
-        entry(area, at, label, style, scale)?;
+        let (column, line) = (index as i32 % 2, index as i32 / 2);
+        entry(area, (66 * px + whole / 2 * column, row * line + row / 2), label, style, scale)?;
     }
     Ok(())
 }

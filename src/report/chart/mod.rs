@@ -87,6 +87,8 @@ pub(super) struct Curve {
     pub(super) dots: Vec<Dot>,
     /// Every which of them has a mark.
     pub(super) marked: usize,
+    /// Whether a line joins them: not where they have no order.
+    pub(super) lined: bool,
 }
 
 /// A straight line of this slope through a point, on logarithmic axes.
@@ -118,8 +120,9 @@ pub(super) struct Figure {
     pub(super) panels: Vec<Panel>,
 }
 
-/// A panel's size, px.
+/// A panel's size, px, beside another and alone.
 const PANEL: (u32, u32) = (480, 350);
+const WIDE: u32 = 800;
 /// The height of a row of the legend, px.
 const LEGEND: u32 = 30;
 /// Pixels of the PNG for each px.
@@ -144,7 +147,8 @@ impl Figure {
     /// Its size, px.
     fn size(&self) -> (u32, u32) {
         let rows = self.panels.len().div_ceil(self.columns) as u32;
-        (PANEL.0 * self.columns as u32, PANEL.1 * rows + LEGEND * self.legend_rows() as u32)
+        let width = if self.columns == 1 { WIDE } else { PANEL.0 * self.columns as u32 };
+        (width, PANEL.1 * rows + LEGEND * self.legend_rows() as u32)
     }
 
     /// The curves' names, each once.
@@ -209,6 +213,7 @@ mod tests {
             style: Style::of(solver),
             dots: (0..8).map(|k| Dot::at(1e-6 * 2_f64.powi(k), shift * 0.5_f64.powi(k))).collect(),
             marked: 1,
+            lined: true,
         };
         let panel = Panel {
             title: "A test".to_owned(),

@@ -45,7 +45,7 @@ fn free_flight() -> Result<Problem, Unposed> {
 }
 
 /// When a ball that is dropped comes to rest, s: √(2h/g)·(1+e)/(1−e).
-pub(in crate::report) fn drop_rest() -> f64 {
+fn drop_rest() -> f64 {
     (2.0 * DROP / GRAVITY).sqrt() * (1.0 + DROP_RESTITUTION) / (1.0 - DROP_RESTITUTION)
 }
 

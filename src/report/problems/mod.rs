@@ -5,7 +5,6 @@ mod referenced;
 
 use glam::DVec2;
 
-pub(super) use closed::drop_rest;
 pub(super) use referenced::{demo, growth_scenes};
 
 use super::reference::{Collapse, Quad, Reference};
@@ -28,7 +27,7 @@ pub(super) struct Problem {
     pub(super) seconds: f64,
     /// Where the balls are at each of its looks.
     truth: Vec<Vec<DVec2>>,
-    /// How many impacts there are, on balls and on walls, where that is part of the problem.
+    /// How many impacts there are, on balls and on walls, where that is known.
     pub(super) impacts: Option<u64>,
     /// Whether it belongs to those with a closed form.
     pub(super) closed: bool,
@@ -89,7 +88,8 @@ impl Setup {
             reference.advance_to(time)?;
             truth.push(reference.positions());
         }
-        Ok(self.problem(truth, false))
+        let impacts = Some(reference.impacts());
+        Ok(Problem { impacts, ..self.problem(truth, false) })
     }
 
     fn problem(self, truth: Vec<Vec<DVec2>>, closed: bool) -> Problem {

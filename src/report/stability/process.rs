@@ -74,3 +74,24 @@ fn memory(child: &Child) -> Option<u64> {
     let text = fs::read_to_string(format!("/proc/{}/statm", child.id())).ok()?;
     text.split_whitespace().nth(1)?.parse::<u64>().ok().map(|pages| pages * PAGE)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::stability::cell::Verdict;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_process_that_fails_hangs_or_is_missing_is_a_cell_that_failed() {
+        let limit = Duration::from_millis(10);
+        for (program, why) in
+            [("/bin/false", "aborted"), ("/bin/true", "no result"), ("/no/such/program", "did not run")]
+        {
+            let cell = cell(Path::new(program), "corner/exact", true, limit);
+            assert_eq!(cell.verdict, Verdict::Failed);
+            assert!(cell.why.contains(why), "{cell:?}");
+        }
+        let child = Command::new("/bin/sleep").arg("20").stdout(Stdio::piped()).spawn().unwrap();
+        assert!(matches!(wait(child, limit), Ok(Ended::Late)));
+    }
+}
