@@ -200,7 +200,7 @@ pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
         sections.push(pile::section(&mut context)?);
     }
     if stability_wanted {
-        sections.push(stability::section(case, options.program.as_deref(), &mut context)?);
+        sections.push(stability::section(case, options.program.as_deref(), &mut context));
     }
     if wanted("parts") {
         sections.push(parts::section(&mut context)?);
@@ -218,7 +218,9 @@ fn write_all(options: &Options, sections: &[Section]) -> Result<PathBuf, ReportE
     }
     text += &failures(sections);
     let mut machine = Csv::new("name,value");
-    machine::lines().iter().for_each(|(name, value)| machine.row(&[name, value]));
+    for (name, value) in machine::lines() {
+        machine.row(&[&name, &value]);
+    }
     let (name, content) = machine.file("machine.csv");
     Output::create(&options.folder.join(name))?.complete(&content)?;
     let path = options.folder.join("report.md");

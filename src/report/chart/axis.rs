@@ -67,8 +67,8 @@ impl Axis {
         let least = if self.log { 1.0 } else { 0.0 };
         let steps = [1.0, 2.0, 3.0, 4.0, 5.0, 10.0, 20.0, 50.0, 100.0];
         let step = steps.into_iter().find(|&step| step >= least && span / step <= 9.0).unwrap_or(span / 8.0);
-        let first = (self.low / step).ceil() as i64;
-        (first..).map(|tick| tick as f64 * step).take_while(|&tick| tick <= self.high).collect()
+        let (first, last) = ((self.low / step).ceil() as i64, (self.high / step).floor() as i64);
+        (first..=last).map(|tick| tick as f64 * step).collect()
     }
 
     /// The number at a tick.

@@ -167,7 +167,8 @@ fn legend<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale: u32) -> R
     let whole = area.dim_in_pixel().0 as i32;
     if figure.legend_rows() == 1 {
         let widths = entries.iter().map(|(label, _)| width(label)).collect::<Result<Vec<i32>, String>>()?;
-        let mut x = (whole - widths.iter().sum::<i32>() + 26 * px) / 2;
+        // Behind the last name there is no gap.
+        let mut x = whole / 2 - (widths.iter().sum::<i32>() - 26 * px) / 2;
         for ((label, style), width) in entries.into_iter().zip(widths) {
             entry(area, (x, row / 2), label, style, scale)?;
             x += width;

@@ -65,8 +65,8 @@ mod tests {
         zeros.iter().fold(vec![Quad::of(1.0)], |product, &zero| {
             let mut next = vec![Quad::of(0.0); product.len() + 1];
             for (power, &coefficient) in product.iter().enumerate() {
-                next[power + 1] = next[power + 1] + coefficient;
-                next[power] = next[power] - coefficient * Quad::of(zero);
+                next[power + 1] += coefficient;
+                next[power] -= coefficient * Quad::of(zero);
             }
             next
         })

@@ -39,6 +39,9 @@ pub(super) struct Criterion {
     pub(super) failed: f64,
 }
 
+/// A figure of balls as they are.
+pub(super) type OfBalls = Box<dyn Fn(&[Ball]) -> f64>;
+
 /// Something of a run that is measured.
 pub(super) enum Measure {
     /// How far a ball was over a wall, in its radii.
@@ -62,7 +65,7 @@ pub(super) enum Measure {
     /// How far the balls are, px, from where the same solver has them in even frames of 1/60 s.
     AgainstEvenFrames,
     /// Something of the end, with its name.
-    AtEnd(&'static str, Box<dyn Fn(&[Ball]) -> f64>),
+    AtEnd(&'static str, OfBalls),
 }
 
 impl Measure {

@@ -16,8 +16,8 @@ use std::time::Duration;
 use case::Case;
 pub(super) use cell::{Cell, Verdict};
 
+use super::Context;
 use super::document::{Csv, Section, Table, duration};
-use super::{Context, ReportError};
 use crate::simulation::Solver;
 
 /// How long a cell may run.
@@ -57,11 +57,7 @@ fn run(case: &Case, solver: Solver, program: Option<&Path>, quick: bool) -> Cell
 }
 
 /// The section of the report: all cases, or one.
-pub(super) fn section(
-    only: Option<&str>,
-    program: Option<&Path>,
-    context: &mut Context,
-) -> Result<Section, ReportError> {
+pub(super) fn section(only: Option<&str>, program: Option<&Path>, context: &mut Context) -> Section {
     let mut section = Section::default();
     section.heading("Stability");
     section.say(format!(
@@ -98,7 +94,7 @@ pub(super) fn section(
     table.row(totals);
     section.say(table.markdown());
     section.files.push(csv.file("stability.csv"));
-    Ok(section)
+    section
 }
 
 fn text(cell: &Cell) -> String {
