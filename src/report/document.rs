@@ -2,11 +2,12 @@
 
 use std::fmt::Display;
 
-/// One part of the report: its text, its files, and what failed in it.
+/// One part of the report: its text, its files, what is to be said first of it, and what failed in it.
 #[derive(Debug, Default)]
 pub(super) struct Section {
     pub(super) text: String,
     pub(super) files: Vec<(String, Vec<u8>)>,
+    pub(super) in_short: Vec<String>,
     pub(super) failures: Vec<String>,
 }
 

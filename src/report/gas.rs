@@ -176,6 +176,11 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
         }
     }
     section.say(table.markdown());
+    let used = found.iter().filter(|(setting, _)| *setting == Setting::default_of(setting.solver()));
+    section.in_short.extend(used.map(|(setting, statistics)| {
+        let off = 100.0 * (statistics.compressibility / PUBLISHED - 1.0);
+        format!("The pressure of a gas is {off:+.1} % off with `{}`, {setting}.", setting.solver())
+    }));
     let figure = figure(&found);
     section
         .picture(&figure.name, "A gas: error of its pressure, and change of its energy, against run time.");

@@ -209,7 +209,7 @@ pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
 }
 
 fn write_all(options: &Options, sections: &[Section]) -> Result<PathBuf, ReportError> {
-    let mut text = introduction(options);
+    let mut text = introduction(options, sections);
     for section in sections {
         text += &section.text;
         for (name, content) in &section.files {
@@ -228,7 +228,7 @@ fn write_all(options: &Options, sections: &[Section]) -> Result<PathBuf, ReportE
     Ok(path)
 }
 
-fn introduction(options: &Options) -> String {
+fn introduction(options: &Options, sections: &[Section]) -> String {
     let mut section = Section::default();
     section.say("# Which solver to trust, for what, and at what cost");
     section.say("Written by `carom report`. Numbers here are rounded; the CSV files beside this page have them whole.");
@@ -240,6 +240,15 @@ fn introduction(options: &Options) -> String {
         if options.quick { "quick: every second setting, few runs, little patience" } else { "full" };
     table.row(vec!["report".to_owned(), settings.to_owned()]);
     section.say(table.markdown());
+    let sentences: Vec<String> = sections
+        .iter()
+        .flat_map(|section| &section.in_short)
+        .map(|sentence| format!("- {sentence}"))
+        .collect();
+    if !sentences.is_empty() {
+        section.heading("In short");
+        section.say(sentences.join("\n"));
+    }
     section.text
 }
 

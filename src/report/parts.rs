@@ -170,6 +170,7 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
         }
     }
     section.say(table.markdown());
+    section.in_short.extend(in_short(&all));
     let figure = figure(&all);
     section.picture(
         &figure.name,
@@ -178,6 +179,22 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
     section.files.extend(figure.files()?);
     section.files.push(csv.file("parts.csv"));
     Ok(section)
+}
+
+/// What all parts of the demo's last stage cost, beside its floor.
+fn in_short(all: &[(&str, Solver, Vec<Cost>)]) -> Option<String> {
+    let median = |cost: &Cost| Some(cost.nanoseconds.as_ref().ok()?.median);
+    let own: Vec<_> = all.iter().filter(|(scene, ..)| *scene == "gravity").collect();
+    let floor = own.iter().filter_map(|(.., costs)| median(costs.first()?)).min_by(f64::total_cmp)?;
+    let costs = own.iter().filter_map(|(_, solver, costs)| {
+        Some(format!("{} ns with `{solver}`", rounded(median(costs.last()?)?)))
+    });
+    let costs: Vec<String> = costs.collect();
+    Some(format!(
+        "A ball and frame of the demo's `gravity` costs {}; only moved, {} ns.",
+        costs.join(", "),
+        rounded(floor)
+    ))
 }
 
 fn row(scene: &str, count: usize, solver: Solver, costs: &[Cost]) -> Vec<String> {

@@ -144,6 +144,14 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
         }
     }
     section.say(table.markdown());
+    let used = found.iter().filter(|(setting, _)| *setting == Setting::default_of(setting.solver()));
+    section.in_short.extend(used.map(|(setting, rest)| {
+        let (overlap, time) = (rounded(rest.most_overlap), duration(rest.seconds));
+        format!(
+            "Balls of a settled pile of {COUNT} overlap by up to {overlap} radii with `{}`, which takes {time} for {SECONDS} s.",
+            setting.solver()
+        )
+    }));
     let figure = figure(&found, &settings(context.quick));
     section.picture(
         &figure.name,

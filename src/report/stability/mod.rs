@@ -89,6 +89,12 @@ pub(super) fn section(only: Option<&str>, program: Option<&Path>, context: &mut 
         }
         table.row(cells);
     }
+    for (&solver, [held, degraded, failed]) in Solver::ALL.iter().zip(counts) {
+        let all = held + degraded + failed;
+        section.in_short.push(format!(
+            "Of {all} stiff and extreme cases, `{solver}` held {held}, was degraded in {degraded} and failed in {failed}."
+        ));
+    }
     let mut totals = vec!["**all**".to_owned(), "held, degraded, failed".to_owned()];
     totals.extend(counts.map(|[held, degraded, failed]| format!("**{held}, {degraded}, {failed}**")));
     table.row(totals);
