@@ -110,6 +110,15 @@ pub(super) fn duration(seconds: f64) -> String {
     format!("{} {unit}", rounded(seconds * scale))
 }
 
+/// 10 to a power, as it is printed.
+pub(super) fn power_of_ten(power: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let digits = power.unsigned_abs().to_string();
+    let raised = digits.bytes().map(|digit| DIGITS[usize::from(digit - b'0')]);
+    let sign = if power < 0 { "⁻" } else { "" };
+    format!("10{sign}{}", raised.collect::<String>())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

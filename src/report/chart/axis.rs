@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 
+use crate::report::document::power_of_ten;
+
 /// An axis with its label, from its lowest to its highest value.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::report) struct Axis {
@@ -104,15 +106,6 @@ impl Ranged for Places {
     fn range(&self) -> Range<f64> {
         self.ends.0..self.ends.1
     }
-}
-
-/// 10 to a power, as it is printed.
-pub(in crate::report) fn power_of_ten(power: i32) -> String {
-    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    let digits = power.unsigned_abs().to_string();
-    let raised = digits.bytes().map(|digit| DIGITS[usize::from(digit - b'0')]);
-    let sign = if power < 0 { "⁻" } else { "" };
-    format!("10{sign}{}", raised.collect::<String>())
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ pub(super) fn cases() -> Vec<Case> {
         wide(),
         column("column-100", 100, 5.0),
         column("column-1000", 1000, 2.0),
+        jammed(),
         packed(),
         one_point(),
         collapse_on_a_line(),
@@ -78,6 +79,21 @@ fn column(name: &'static str, count: u32, seconds: f64) -> Case {
         setup().map_err(told)
     })
     .holds(Measure::Sinking(top), 0.05, 1.0)
+    .stays_inside_and_apart()
+    .gains_no_energy()
+}
+
+fn jammed() -> Case {
+    let setup = || -> Result<Setup, OutOfRange> {
+        let place = |k: u32| {
+            let speed = 20.0 * (f64::from(k) * 2.4).sin();
+            moving(10.0 + 20.0 * f64::from(k), 380.0, 10.0, (speed, 0.0))?.with_restitution(0.5)
+        };
+        Ok(run(boxed(400.0, 400.0, 0.5, GRAVITY)?, (0..20).map(place).collect::<Result<_, _>>()?, 3.0))
+    };
+    Case::new("jammed-row", "twenty balls fall on a floor that they fill from wall to wall", move || {
+        setup().map_err(told)
+    })
     .stays_inside_and_apart()
     .gains_no_energy()
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{GRAVITY, ball, boxed, moving, open, run, told};
+use super::{GRAVITY, ball, boxed, moving, open, run, said, told};
 use crate::report::stability::case::{Case, Measure, Setup};
 use crate::scene::Scene;
 use crate::simulation::Ball;
@@ -35,7 +35,7 @@ fn mass_impact(name: &'static str, mass: f64) -> Case {
             balls.iter().zip(wanted).map(|(ball, wanted)| ball.velocity().distance(DVec2::new(wanted, 0.0)));
         errors.fold(0.0, f64::max) / 300.0
     };
-    Case::new(name, format!("a ball of mass {mass:e} hits one of mass 1, e = 1"), move || {
+    Case::new(name, format!("a ball of mass {} hits one of mass 1, e = 1", said(mass)), move || {
         setup().map_err(told)
     })
     .holds(Measure::AtEnd("velocities off by", Box::new(error)), 1e-9, 1e-2)
@@ -49,10 +49,12 @@ fn mass_rest(name: &'static str, mass: f64) -> Case {
         let heavy = ball(200.0, 320.0, 40.0)?.with_mass(mass)?.with_restitution(0.3)?;
         Ok(run(boxed(400.0, 400.0, 0.3, GRAVITY)?, vec![light, heavy], 3.0))
     };
-    Case::new(name, format!("a ball of mass {mass:e} rests on one of mass 1"), move || setup().map_err(told))
-        .holds(Measure::Sinking(1), 0.02, 0.5)
-        .stays_inside_and_apart()
-        .gains_no_energy()
+    Case::new(name, format!("a ball of mass {} rests on one of mass 1", said(mass)), move || {
+        setup().map_err(told)
+    })
+    .holds(Measure::Sinking(1), 0.02, 0.5)
+    .stays_inside_and_apart()
+    .gains_no_energy()
 }
 
 fn radius_ratio() -> Case {
@@ -75,7 +77,7 @@ fn bullet(name: &'static str, speed: f64) -> Case {
         }
         Ok(run(boxed(1000.0, 400.0, 1.0, 0.0)?, balls, 0.5))
     };
-    let what = format!("a ball of radius 3 at {speed:e} px/s on a row of five in a box, e = 1");
+    let what = format!("a ball of radius 3 at {} px/s on a row of five in a box, e = 1", said(speed));
     Case::new(name, what, move || setup().map_err(told))
         .holds(Measure::OutOfOrder, 0.0, 0.0)
         .stays_inside_and_apart()

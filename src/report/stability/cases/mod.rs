@@ -10,6 +10,7 @@ use std::fmt::Display;
 use glam::DVec2;
 
 use super::case::{Case, Setup, Step};
+use crate::report::document::power_of_ten;
 use crate::simulation::limits::OutOfRange;
 use crate::simulation::{Ball, Pairs, World};
 
@@ -54,7 +55,16 @@ fn run(world: World, balls: Vec<Ball>, seconds: f64) -> Setup {
     Setup::Run { world, balls, steps: frames(seconds) }
 }
 
-/// Balls of radius 10 and restitution e, apart from each other in a box 400 px wide and high, in motion.
+/// A power of ten as it is printed, or 0.
+fn said(value: f64) -> String {
+    match value {
+        0.0 => "0".to_owned(),
+        1.0 => "1".to_owned(),
+        _ => power_of_ten(value.log10().round() as i32),
+    }
+}
+
+/// Balls of radius 10 and restitution e, apart from each other in a box of at least 430 by 400 px, in motion.
 fn scattered(count: u32, restitution: f64) -> Result<Vec<Ball>, OutOfRange> {
     let place = |index: u32| {
         let (column, row) = (f64::from(index % 8), f64::from(index / 8));

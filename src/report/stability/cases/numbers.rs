@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{GRAVITY, boxed, moving, open, run, scattered, told};
+use super::{GRAVITY, boxed, moving, open, run, said, scattered, told};
 use crate::report::stability::case::{Case, Setup};
 use crate::simulation::limits::{DELTA, OutOfRange};
 use crate::simulation::{Ball, World};
@@ -32,9 +32,9 @@ pub(super) fn cases() -> Vec<Case> {
 
 fn gravity_of(name: &'static str, gravity: f64) -> Case {
     let setup = move || -> Result<Setup, OutOfRange> {
-        Ok(run(boxed(400.0, 400.0, 0.5, gravity)?, scattered(20, 0.5)?, 3.0))
+        Ok(run(boxed(600.0, 400.0, 0.5, gravity)?, scattered(30, 0.5)?, 3.0))
     };
-    Case::new(name, format!("twenty balls in a box, e = 0.5, gravity {gravity:e} px/s²"), move || {
+    Case::new(name, format!("thirty balls in a box, e = 0.5, gravity {} px/s²", said(gravity)), move || {
         setup().map_err(told)
     })
     .stays_inside_and_apart()
@@ -43,7 +43,7 @@ fn gravity_of(name: &'static str, gravity: f64) -> Case {
 
 fn restitution_of(name: &'static str, e: f64, said: &str) -> Case {
     let setup = move || -> Result<Setup, OutOfRange> {
-        Ok(run(boxed(400.0, 400.0, e, GRAVITY)?, scattered(30, e)?, 3.0))
+        Ok(run(boxed(430.0, 400.0, e, GRAVITY)?, scattered(30, e)?, 3.0))
     };
     let case =
         Case::new(name, format!("thirty balls fall in a box, e = {said}"), move || setup().map_err(told));
