@@ -57,7 +57,9 @@ fn panel(problem: &Problem, points: &[Point], at_end: bool) -> Panel {
         .collect();
     let dots = || curves.iter().flat_map(|curve| &curve.dots);
     // Steps are coarsest at the first point of `canvas`: guides begin there.
-    let through = curves[0].dots.first().map(|dot| (dot.x, dot.y));
+    // Where that is right by chance, they would say nothing.
+    let first = curves[0].dots.first().filter(|dot| dot.y > 1e3 * LEAST_ERROR);
+    let through = first.map(|dot| (dot.x, dot.y));
     let guide = |order: i32| {
         let label = format!("order {order}");
         through.map(|through| Guide { label, through, slope: -f64::from(order) })

@@ -162,6 +162,11 @@ struct Watch<'a> {
     solver: Solver,
 }
 
+/// Those that something may move.
+fn free(balls: &[Ball]) -> impl Iterator<Item = &Ball> {
+    balls.iter().filter(|ball| !ball.is_fixed())
+}
+
 fn energy(simulation: &Simulation) -> f64 {
     kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
 }
@@ -174,7 +179,7 @@ impl<'a> Watch<'a> {
             start: balls.to_vec(),
             energy: energy(simulation),
             momentum: momentum(balls),
-            momenta: balls.iter().map(|ball| ball.mass() * ball.velocity().length()).sum(),
+            momenta: free(balls).map(|ball| ball.mass() * ball.velocity().length()).sum(),
             grid: Grid::new(balls, simulation.world().size()),
             worst: vec![0.0; case.criteria.len()],
             solver: simulation.solver(),
@@ -197,7 +202,7 @@ impl<'a> Watch<'a> {
         let balls = simulation.balls();
         // Without energy at the start, that of 1 px/s.
         let unit =
-            if self.energy > 0.0 { self.energy } else { balls.iter().map(|ball| 0.5 * ball.mass()).sum() };
+            if self.energy > 0.0 { self.energy } else { free(balls).map(|ball| 0.5 * ball.mass()).sum() };
         match measure {
             Measure::Escape => max_wall_overlap(simulation.world(), balls),
             Measure::Overlap | Measure::OverlapAtEnd => max_overlap(&mut self.grid, balls),

@@ -19,6 +19,7 @@ pub(super) fn cases() -> Vec<Case> {
         one_point(),
         collapse_on_a_line(),
         shrinking(),
+        pegs(),
     ]
 }
 
@@ -162,4 +163,22 @@ fn shrinking() -> Case {
     })
     .holds(Measure::OverlapAtEnd, 0.05, 0.5)
     .holds(Measure::Escape, 1e-9, 1.0)
+}
+
+fn pegs() -> Case {
+    let setup = || -> Result<Setup, OutOfRange> {
+        let mut balls = Vec::new();
+        for place in 0..40 {
+            let (column, row) = (f64::from(place % 10), f64::from(place / 10));
+            balls.push(ball(20.0 + 40.0 * column + 20.0 * (row % 2.0), 150.0 + 40.0 * row, 6.0)?.fixed());
+        }
+        for place in 0..20 {
+            let falling = moving(25.0 + 19.0 * f64::from(place), 40.0, 7.0, (0.0, 500.0))?;
+            balls.push(falling.with_restitution(0.5)?);
+        }
+        Ok(run(boxed(420.0, 400.0, 0.5, GRAVITY)?, balls, 3.0))
+    };
+    Case::new("pegs", "twenty balls fall through rows of fixed ones", move || setup().map_err(told))
+        .stays_inside_and_apart()
+        .gains_no_energy()
 }
