@@ -144,6 +144,7 @@ mod tests {
                     assert!(apart < most, "{} at {time} s: {apart:e} px", problem.name);
                 }
             }
+            assert!(problem.impacts.is_none_or(|impacts| reference.impacts() == impacts), "{}", problem.name);
         }
     }
 }
