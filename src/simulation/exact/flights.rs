@@ -117,7 +117,7 @@ impl Matter {
 
 /// What a ball is doing, a bit each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Marks(u8);
+pub(super) struct Marks(u16);
 
 impl Marks {
     /// It hit another ball, or touched it, since the last frame.
@@ -146,7 +146,20 @@ impl Marks {
 
     #[inline]
     pub(super) fn set_border(&mut self, Border { axis, up }: Border) {
-        self.0 = self.0 & !0x60 | (axis as u8) << 5 | u8::from(up) << 6;
+        self.0 = self.0 & !0x60 | (axis as u16) << 5 | u16::from(up) << 6;
+    }
+
+    /// How many impacts it has had one soon after the other, up to 15.
+    #[inline]
+    pub(super) fn quick_hits(self) -> u16 {
+        self.0 >> 8 & 15
+    }
+
+    /// Notes an impact, soon after the one before or not.
+    #[inline]
+    pub(super) fn strike(&mut self, soon: bool) {
+        let hits = if soon { (self.quick_hits() + 1).min(15) } else { 0 };
+        self.0 = self.0 & !(15 << 8) | hits << 8 | Self::STRUCK.0;
     }
 
     #[inline]

@@ -21,6 +21,9 @@ const LEAST_HOP: f64 = 0.5;
 /// What a ball moves between two fast hits that are chatter, as a part of what it moves between two slow ones. So little
 /// that no other impact is taken for chatter, and it need not be more: a ball in a wedge gets there in a few hits.
 const BARELY: f64 = 1e-3;
+/// ... once so many hits came one soon after the other: a ball on the floor that is hit goes to and fro a few times between
+/// what hit it and the floor, and loses what it should.
+const QUICK: u16 = 8;
 /// The gravity that sets the time scale of chatter where there is none, px/s².
 const EARTH: f64 = 980.0;
 /// A ball that hits a wall is as near to it as this part of the world's size. One that is not began beyond it, and
@@ -68,11 +71,14 @@ impl Exact {
 
     /// The approach, px/s, below which an impact is chatter, so long after a ball's last one.
     ///
-    /// That is the rest speed, or more where the ball has hardly moved since. So a ball that is driven into a wedge is thrown back in the end, where otherwise it would hit ever more
+    /// That is the rest speed, or more where the ball has hardly moved since, and not in the hits before either. So a ball that is driven into a wedge is thrown back in the end, where otherwise it would hit ever more
     /// often and never stop.
     fn chatter_speed(&self, slot: usize, now: f64) -> f64 {
         let since = now - self.flights[slot].time;
         if self.marks[slot].has(Marks::STRUCK) && since < self.chatter() {
+            if self.marks[slot].quick_hits() < QUICK {
+                return self.rest_speed;
+            }
             let length = (BARELY * self.rest_speed * self.chatter()).min(self.chatter_length);
             self.rest_speed.max(length / since)
         } else {
@@ -87,9 +93,10 @@ impl Exact {
 
     /// Begins a new flight of a ball.
     fn set_out(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
+        let soon = self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter();
+        self.marks[slot].strike(soon);
         let flight = &mut self.flights[slot];
         (flight.position, flight.velocity, flight.time) = (position, velocity, now);
-        self.marks[slot].set(Marks::STRUCK, true);
     }
 
     pub(super) fn hit_wall<N: Needs>(
