@@ -103,6 +103,11 @@ impl Contact {
 }
 
 impl Course {
+    /// Whether a body was hit in the last substep.
+    pub(super) fn was_hit(&self, body: usize) -> bool {
+        self.hits.get(body).is_some_and(|&hits| hits > 0)
+    }
+
     fn begin(&mut self, stage: &Stage<'_>) {
         let Stage { setting, bodies, .. } = stage;
         let Self { times, hits, slow, fast, shifted, far, .. } = self;

@@ -283,6 +283,13 @@ impl Contact {
         if held { body.velocity } else { body.velocity + 0.5 * body.change(self.setting.kick) }
     }
 
+    /// Whether nothing but gravity moved a body in the substep that is over.
+    fn flew(&self, at: usize) -> bool {
+        let body = &self.bodies[at];
+        let was_hit = self.course.was_hit(at);
+        body.inverse_mass > 0.0 && body.velocity == body.free && !was_hit && self.held.get(at) != Some(&true)
+    }
+
     /// Shows the balls as they are at the clock's time, `since` s after the last whole substep but one where that is
     /// not 0. This evaluates, and never writes back.
     fn show(&mut self, frame: &mut Frame<'_>, since: f64) {
@@ -298,6 +305,10 @@ impl Contact {
             if let Some(&(was, had)) = self.before.get(at) {
                 position = was.lerp(position, share);
                 velocity = had.lerp(velocity, share);
+                if self.flew(at) {
+                    // Its path is a parabola, not that line.
+                    position -= 0.5 * share * (1.0 - share) * self.setting.substep * self.setting.kick;
+                }
             }
             (ball.position, ball.velocity) = (position, velocity);
         }
