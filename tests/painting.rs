@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use carom::paint::{self, BACKGROUND, BALL, CONTACT, Painter, fill_disc};
 use carom::{Ball, DVec2, Pairs, Simulation, Solver, World};
 use proptest::prelude::*;
-use tiny_skia::Pixmap;
+use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 const SIZE: DVec2 = DVec2::new(640.0, 360.0);
 
@@ -235,4 +235,25 @@ fn a_picture_of_another_size_is_painted_whole() {
         paint::paint(&scene, 1.0, &mut anew.as_mut());
         assert_eq!(picture.data(), anew.data());
     }
+}
+
+#[test]
+fn only_what_changed_is_painted_while_few_balls_have_moved() {
+    let still = [(DVec2::new(40.0, 40.0), 12.0), (DVec2::new(300.0, 200.0), 5.0)];
+    let moved = [still[0], (DVec2::new(301.5, 200.0), 5.0)];
+    let mut painter = Painter::default();
+    let mut picture = paint::blank(DVec2::new(640.0, 360.0)).unwrap();
+    painter.paint(&simulation(&still), 1.0, &mut picture.as_mut());
+    // A pixel that somebody spoils far from what moves stays spoiled.
+    picture.pixels_mut()[0] = PremultipliedColorU8::from_rgba(9, 8, 7, 255).unwrap();
+    assert!(painter.repaint(&simulation(&moved), 1.0, &mut picture.as_mut()));
+    assert_eq!(picture.pixels()[0].red(), 9);
+    // Where many have moved, all is painted.
+    let crowd = |shift: f64| -> Vec<_> {
+        (0..80).map(|k| (DVec2::new(50.0 + 7.0 * f64::from(k) + shift, 100.0), 1.0)).collect()
+    };
+    painter.paint(&simulation(&crowd(0.0)), 1.0, &mut picture.as_mut());
+    picture.pixels_mut()[0] = PremultipliedColorU8::from_rgba(9, 8, 7, 255).unwrap();
+    assert!(painter.repaint(&simulation(&crowd(0.5)), 1.0, &mut picture.as_mut()));
+    assert_eq!(picture.pixels()[0].red(), 26);
 }

@@ -276,7 +276,7 @@ fn frames_presented(display: &Display, args: &[&str]) -> u32 {
 
 #[test]
 #[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
-fn a_window_in_which_nothing_moves_presents_nothing() {
+fn a_window_in_which_nothing_moves_presents_its_first_frames_only() {
     let display = Display::start();
     // The first pictures, and those that the system asks for as the window appears and gets the focus.
     let most = 6;

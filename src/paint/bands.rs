@@ -3,12 +3,9 @@
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread;
 
-use super::BACKGROUND;
-use super::coverage::Coverage;
 use super::disc::Disc;
 use super::ink::Pixel;
-use super::lines::{Corners, Lines};
-use super::spans;
+use super::shapes::Shapes;
 use super::target::{Area, Target};
 
 /// From about this long on, ns, a picture is painted on more than one core. To start a thread takes 0.03 ms, and a core
@@ -19,35 +16,19 @@ const MOST_THREADS: usize = 8;
 /// Bands for each core, so that one which is held up leaves some of its work to others.
 const BANDS_PER_THREAD: usize = 2;
 
-/// What discs need to be painted, beside themselves.
-#[derive(Debug, Default)]
-pub(super) struct Shapes {
-    coverage: Coverage,
-    corners: Corners,
-}
+/// Pixels that are cleared in a nanosecond.
+const CLEARED: u64 = 8;
 
-impl Shapes {
-    /// Makes what a disc needs where it is not there.
-    pub(super) fn prepare(&mut self, disc: &Disc) {
-        if disc.is_small() {
-            self.coverage.prepare(disc.radius);
-        } else {
-            self.corners.prepare(disc.radius);
+/// Whether painting these discs, and clearing so many pixels before, takes long enough for more than one core.
+fn is_worth_threads(discs: &[Disc], pixels: usize) -> bool {
+    let mut cost = pixels as u64 / CLEARED;
+    for disc in discs {
+        if cost > WORTH_THREADS {
+            break;
         }
+        cost += disc.cost();
     }
-
-    /// Paints the background and the discs, which have been prepared, as far as the target's clip allows.
-    pub(super) fn paint<'a>(&self, discs: impl Iterator<Item = &'a Disc>, mut target: Target<'_>) {
-        target.fill(BACKGROUND);
-        let mut lines = Lines::default();
-        for disc in discs {
-            if disc.is_small() {
-                self.coverage.paint(disc, &mut target);
-            } else {
-                spans::paint(disc, &self.corners, &mut lines, &mut target);
-            }
-        }
-    }
+    cost > WORTH_THREADS
 }
 
 /// Which discs reach into which band; kept from picture to picture.
@@ -70,12 +51,7 @@ struct Band {
 impl Bands {
     /// Paints the background and the discs, which have been prepared, on as many cores as pay.
     pub(super) fn paint(&mut self, discs: &[Disc], shapes: &Shapes, pixels: &mut [Pixel], width: usize) {
-        let mut cost = 0;
-        let worth_threads = discs.iter().any(|disc| {
-            cost += disc.cost();
-            cost > WORTH_THREADS
-        });
-        let threads = if worth_threads { cores().min(MOST_THREADS) } else { 1 };
+        let threads = if is_worth_threads(discs, pixels.len()) { cores().min(MOST_THREADS) } else { 1 };
         self.paint_on(threads, discs, shapes, pixels, width);
     }
 
@@ -91,7 +67,7 @@ impl Bands {
         if threads < 2 {
             return shapes.paint(discs.iter(), Target::rows(pixels, width, 0));
         }
-        self.divide(discs, pixels.len() / width, threads * BANDS_PER_THREAD);
+        self.divide(discs, (width, pixels.len() / width), threads * BANDS_PER_THREAD);
         self.list(discs);
         let mut rest = pixels;
         let bands = self.bands.iter().map(|band| {
@@ -109,18 +85,20 @@ impl Bands {
             }
         };
         thread::scope(|scope| {
+            // Where the system gives no more threads, those that there are do the work.
             for _ in 1..threads {
-                scope.spawn(work);
+                if thread::Builder::new().spawn_scoped(scope, work).is_err() {
+                    break;
+                }
             }
             work();
         });
     }
 
     /// Divides the rows into so many bands, which take about the same time.
-    fn divide(&mut self, discs: &[Disc], height: usize, count: usize) {
-        // That of clearing a row.
+    fn divide(&mut self, discs: &[Disc], (width, height): (usize, usize), count: usize) {
         self.costs.clear();
-        self.costs.resize(height, 100);
+        self.costs.resize(height, width as u64 / CLEARED);
         for disc in discs {
             let row = disc.centre.y.clamp(0.0, (height - 1) as f64) as usize;
             self.costs[row] += disc.cost();
@@ -234,7 +212,7 @@ mod tests {
             .into_iter()
             .map(|disc| Disc { centre: disc.centre * DVec2::new(1.0, 0.1) + DVec2::new(0.0, 170.0), ..disc })
             .collect();
-        bands.divide(&heap, HEIGHT, 4);
+        bands.divide(&heap, (WIDTH, HEIGHT), 4);
         let ends: Vec<_> = bands.bands.iter().map(|band| (band.top, band.bottom)).collect();
         assert_eq!((ends[0].0, ends[3].1), (0, HEIGHT));
         assert!(ends.windows(2).all(|pair| pair[0].1 == pair[1].0));
@@ -246,11 +224,12 @@ mod tests {
     }
 
     #[test]
-    fn few_balls_start_no_threads() {
-        let disc = |radius| Disc { centre: DVec2::ZERO, radius, colour: BALL };
-        let cost = |count: u64, radius| count * disc(radius).cost();
-        assert!(cost(15, 30.0) < WORTH_THREADS / 10);
-        assert!(cost(15, 60.0) < WORTH_THREADS);
-        assert!(cost(100_000, 3.0) > 2 * WORTH_THREADS);
+    fn few_balls_are_painted_on_one_core_and_many_or_wide_pictures_on_all() {
+        const WINDOW: usize = 1280 * 720;
+        let discs = |count, radius| vec![Disc { centre: DVec2::ZERO, radius, colour: BALL }; count];
+        assert!(!is_worth_threads(&discs(15, 30.0), WINDOW));
+        assert!(!is_worth_threads(&discs(15, 60.0), WINDOW));
+        assert!(is_worth_threads(&discs(100_000, 3.0), WINDOW));
+        assert!(is_worth_threads(&[], 11_000 * 11_000));
     }
 }

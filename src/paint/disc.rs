@@ -15,10 +15,10 @@ pub(super) struct Disc {
 }
 
 impl Disc {
-    /// Whether any of it lies in a picture of this size; a NaN does not.
+    /// Whether there is any of it in a picture of this size; of a NaN, or of a negative scale, there is not.
     pub(super) fn is_inside(&self, size: DVec2) -> bool {
         let inside = (self.centre + self.radius).cmpgt(DVec2::ZERO) & (self.centre - self.radius).cmplt(size);
-        inside.all()
+        self.radius > 0.0 && inside.all()
     }
 
     /// Whether it is painted by a mask, and not by spans.

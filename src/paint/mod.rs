@@ -1,4 +1,4 @@
-//! Painting: a simulation becomes a pixmap, by tiny-skia.
+//! Painting: a simulation becomes a pixmap, by tiny-skia or in its arithmetic.
 //!
 //! The window, pictures, animations and tests all paint through here. Painting reads the simulation and never moves it.
 
@@ -11,6 +11,7 @@ mod disc;
 mod ink;
 mod lines;
 mod painter;
+mod shapes;
 mod spans;
 mod target;
 #[cfg(feature = "window")]

@@ -3,9 +3,10 @@
 use glam::DVec2;
 use tiny_skia::PixmapMut;
 
-use super::bands::{Bands, Shapes};
+use super::bands::Bands;
 use super::colour;
 use super::disc::Disc;
+use super::shapes::Shapes;
 use super::target::{Area, Target};
 use crate::simulation::Simulation;
 

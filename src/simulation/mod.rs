@@ -203,8 +203,8 @@ impl Simulation {
     /// to itself it takes 240, and a multiple of that where gravity g is strong beside the smallest radius r, so that
     /// g·h² stays under r/50 for substeps of h seconds.
     ///
-    /// The error of a flight with few impacts falls as h². Piles sink in by up to a few times g·h² where there are fewer
-    /// than it would choose, and cost grows in proportion where there are more.
+    /// Balls that fly, and meet one after the other, do so to rounding whatever the number. Piles sink in by up to a few
+    /// times g·h² where there are fewer than it would choose, and cost grows in proportion where there are more.
     ///
     /// # Errors
     /// [`OutOfRange`] where the number is not in the range of [`limits::SUBSTEPS`].

@@ -93,7 +93,7 @@ pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
         session,
         screen: None,
         painter: Painter::default(),
-        overlay: Overlay::default(),
+        overlay: (Overlay::default(), 0.0),
         clock: FrameClock::default(),
         rate: FrameRate::default(),
         frames_per_second: None,
@@ -154,8 +154,8 @@ struct App {
     /// The window and its framebuffer, once there are.
     screen: Option<(Arc<Window>, Screen)>,
     painter: Painter,
-    /// What was painted over the balls last.
-    overlay: Overlay,
+    /// What was painted over the balls last, and at which scale.
+    overlay: (Overlay, f64),
     clock: FrameClock,
     rate: FrameRate,
     frames_per_second: Option<f64>,
@@ -418,7 +418,7 @@ impl App {
         let Some((_, screen)) = &mut self.screen else { return false };
         let Some((mut pixmap, kept)) = screen.pixmap() else { return false };
         let (simulation, painter) = (self.session.simulation(), &mut self.painter);
-        let same = std::mem::replace(&mut self.overlay, overlay) == overlay;
+        let same = std::mem::replace(&mut self.overlay, (overlay, scale)) == (overlay, scale);
         if !kept {
             painter.forget();
         }
@@ -451,9 +451,9 @@ impl App {
     fn stand_still(&mut self, start: Instant) {
         self.next_frame = self.session.is_moving().then_some(start + STILL);
         self.rate = FrameRate::default();
-        if self.frames_per_second.take().is_some() {
-            self.set_title();
-        }
+        self.frames_per_second = None;
+        // Balls may have come where nobody sees them.
+        self.set_title();
     }
 
     /// Says something in the title bar, and on standard error for whoever looks there.
