@@ -1,4 +1,4 @@
-//! carom, by one of its solvers.
+//! carom, by one of its solvers, without sleep.
 
 use carom::{Simulation, Solver};
 
@@ -10,7 +10,7 @@ pub struct Carom(Simulation);
 
 impl Carom {
     pub fn new(scene: &Scene, solver: Solver) -> Result<Self, Failure> {
-        Ok(Self(Simulation::new(scene.world, scene.balls.clone(), solver)?))
+        Ok(Self(Simulation::new(scene.world, scene.balls.clone(), solver)?.with_sleep(false)))
     }
 }
 
