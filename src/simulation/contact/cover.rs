@@ -76,7 +76,7 @@ impl Near {
 
     /// Adds the pairs of a ball that it does not have yet.
     fn find_more_pairs(&mut self, at: usize, bodies: &[Body], setting: &Setting) {
-        let Self { pairs, holds, held, idle, homes, grid, discs, moved, links, .. } = self;
+        let Self { pairs, holds, held, idle, close, homes, grid, discs, moved, links, .. } = self;
         let (ball, home) = (&bodies[at], homes[at]);
         let up = -setting.kick;
         let mut consider = |other: usize| {
@@ -95,6 +95,7 @@ impl Near {
             let (first, second) = if upper { (at, other) } else { (other, at) };
             pairs.push(Pair { first: first as u32, second: second as u32 });
             idle.push(false);
+            close.push(true);
             if setting.rests {
                 holds.push(Hold { mass: give.recip(), ..Hold::NONE });
                 held.push(false);

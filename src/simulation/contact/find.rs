@@ -34,6 +34,8 @@ pub(super) struct Near {
     pub(super) held: Vec<bool>,
     /// For each pair, whether nothing moves either of its balls.
     pub(super) idle: Vec<bool>,
+    /// For each pair, whether it may come close enough in this substep to be held apart.
+    pub(super) close: Vec<bool>,
     /// Balls that may touch a wall.
     pub(super) beside: Vec<Beside>,
     /// How many of them the search found, in the order of the balls; others were added since.
@@ -285,7 +287,7 @@ impl Near {
                 .zip(&self.homes)
                 .map(|(body, home)| Reach { centre: home.position, radius: body.radius + home.reach }),
         );
-        let Self { grid, pairs, holds, held, idle, kept, heights, discs, .. } = self;
+        let Self { grid, pairs, holds, held, idle, close, kept, heights, discs, .. } = self;
         if discs.len() <= FEW {
             pairs.clear();
             for (i, one) in discs.iter().enumerate() {
@@ -312,6 +314,8 @@ impl Near {
         if setting.kick != DVec2::ZERO {
             heights.sort(pairs, bodies, -setting.kick.normalize_or_zero());
         }
+        close.clear();
+        close.resize(pairs.len(), true);
         let moves = |at: u32| bodies[at as usize].inverse_mass > 0.0;
         idle.clear();
         idle.extend(pairs.iter().map(|pair| !moves(pair.first) && !moves(pair.second)));

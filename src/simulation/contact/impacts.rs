@@ -11,7 +11,8 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::meeting::{Stage, may_meet};
+use super::find::Pair;
+use super::meeting::{Approach, Stage};
 use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
 use super::{Body, Contact, SHIFT, Setting, Tally};
 
@@ -131,7 +132,7 @@ impl Course {
 
     /// Foresees impacts from the substep's beginning.
     #[inline]
-    fn foresee_all(&mut self, stage: &Stage<'_>) {
+    fn foresee_all(&mut self, stage: &mut Stage<'_>) {
         for at in 0..stage.near.beside.len() {
             self.foresee_wall(stage, at);
         }
@@ -146,7 +147,7 @@ impl Course {
     }
 
     /// Foresees the impacts of a body that was hit.
-    fn foresee(&mut self, stage: &Stage<'_>, body: usize) {
+    fn foresee(&mut self, stage: &mut Stage<'_>, body: usize) {
         if self.fast[body] {
             self.foresee_fast_wall(stage, body);
         } else if self.hits[body] < MOST
@@ -154,8 +155,10 @@ impl Course {
         {
             self.foresee_wall(stage, at);
         }
-        for at in stage.near.pairs_of(body as u32) {
-            self.foresee_pair(stage, at);
+        let mut link = stage.near.links.last(body as u32);
+        while let Some(at) = link {
+            self.foresee_pair(stage, at.pair());
+            link = stage.near.links.before(at);
         }
     }
 
@@ -183,19 +186,22 @@ impl Course {
     }
 
     #[inline]
-    fn foresee_pair(&mut self, stage: &Stage<'_>, at: usize) {
+    fn foresee_pair(&mut self, stage: &mut Stage<'_>, at: usize) {
         let Stage { setting, bodies, near, .. } = stage;
-        let (i, j) = stage.pair(at as u32);
-        let held = near.held.get(at) == Some(&true);
-        if near.idle[at]
-            || (held && self.slow[i] && self.slow[j])
-            || !may_meet(setting, &bodies[i], &bodies[j])
-        {
+        let Pair { first, second } = near.pairs[at];
+        let (i, j) = (first as usize, second as usize);
+        if near.idle[at] || (near.held.get(at) == Some(&true) && self.slow[i] && self.slow[j]) {
+            near.close[at] = true;
             return;
         }
+        let approach = Approach::of(setting, &bodies[i], &bodies[j]);
+        near.close[at] = approach.closes_in;
         let fast = self.fast[i] || self.fast[j];
         let enough = if fast { self.ended } else { self.hits[i].max(self.hits[j]) >= MOST };
-        if !enough && let Some(meeting) = stage.meeting(at as u32, self.times[i].max(self.times[j])) {
+        if approach.may_meet
+            && !enough
+            && let Some(meeting) = stage.meeting(at as u32, self.times[i].max(self.times[j]))
+        {
             let hits = (self.hits[i], self.hits[j]);
             self.queue.push(Event { time: meeting.time, what: What::Pair(at as u32), hits });
         }

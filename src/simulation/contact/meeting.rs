@@ -6,6 +6,8 @@ use super::find::Near;
 use super::sleep::{Rest, wake_by_hit};
 use super::{Body, Setting, Tally};
 
+/// Balls whose squared distance is more than this part of that at which they touch are not close.
+const CLOSE: f64 = 1.05;
 /// Centres closer than this, px, have no direction to meet along.
 const COINCIDENT: f64 = 1e-150;
 
@@ -53,16 +55,24 @@ impl Stage<'_> {
     }
 }
 
-/// Whether two balls close in, and get as near as touching within a substep along the tangent of their distance: the
-/// squared distance lies above it.
-#[inline]
-pub(super) fn may_meet(setting: &Setting, first: &Body, second: &Body) -> bool {
-    let distance = first.position - second.position;
-    let closing = distance.dot(first.velocity - second.velocity);
-    let reach = first.radius + second.radius;
-    // Whether balls close in cannot be foreseen, so it is asked of few.
-    distance.length_squared() - reach * reach + 2.0 * closing.min(0.0) * setting.substep <= 0.0
-        && closing < 0.0
+/// How near two balls may come in a substep, by the tangent of their squared distance, which lies above it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Approach {
+    /// Whether they close in, and may touch.
+    pub(super) may_meet: bool,
+    /// Whether they touch, or nearly do, or may come to.
+    pub(super) closes_in: bool,
+}
+
+impl Approach {
+    #[inline]
+    pub(super) fn of(setting: &Setting, first: &Body, second: &Body) -> Self {
+        let distance = first.position - second.position;
+        let closing = distance.dot(first.velocity - second.velocity);
+        let reach = (first.radius + second.radius).powi(2);
+        let least = distance.length_squared() + 2.0 * closing.min(0.0) * setting.substep;
+        Self { may_meet: least <= reach && closing < 0.0, closes_in: least <= reach * CLOSE }
+    }
 }
 
 /// Two balls meeting in a substep.

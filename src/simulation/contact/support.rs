@@ -37,7 +37,7 @@ impl Contact {
         let Self { setting, bodies, rests, near: Some(near), touching, border, course, .. } = self else {
             return;
         };
-        let Near { pairs, holds, held, idle, beside, .. } = near;
+        let Near { pairs, holds, held, idle, close, beside, .. } = near;
         let Course { shifted, far, .. } = &*course;
         touching.clear();
         if setting.kick == DVec2::ZERO {
@@ -51,7 +51,8 @@ impl Contact {
         }
         hold_on_walls(setting, bodies, beside);
         for (at, (pair, hold)) in pairs.iter().zip(&mut *holds).enumerate() {
-            if idle[at] {
+            let apart = !close[at] && hold.impulse == 0.0 && !hold.met && !held[at];
+            if idle[at] || apart {
                 continue;
             }
             let (i, j) = (pair.first as usize, pair.second as usize);
