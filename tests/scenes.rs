@@ -286,3 +286,13 @@ fn rain_says_what_is_wrong_with_it() {
         assert!(error.to_string().contains(message), "{rain}: {error}");
     }
 }
+
+#[test]
+fn rain_refuses_a_delta_that_is_no_time_before_anything_moves() {
+    let scene = Scene::parse("rain", RAIN).unwrap();
+    let (mut simulation, mut rain) = (scene.build().unwrap(), scene.rain().unwrap());
+    for delta in [-1.0, f64::NAN, f64::INFINITY, 2e6] {
+        assert!(rain.advance_while(&mut simulation, delta, || true).is_err());
+    }
+    assert_eq!((simulation.time(), simulation.balls().len()), (0.0, 0));
+}

@@ -108,6 +108,7 @@ pub fn run(run: &Run) -> Result<Summary, RunError> {
     let mut rain = run.scene.rain();
     let mut outputs = Outputs::create(run, &simulation)?;
     let mut grid = Grid::new(simulation.balls(), simulation.world().size());
+    let mut sorted = simulation.balls().len();
     let mut watched = Watched { energy_start: energy(&simulation), ..Watched::default() };
     let clock_cost = clock_cost();
     let mut progress = Progress::new(run.frames.count());
@@ -121,6 +122,11 @@ pub fn run(run: &Run) -> Result<Summary, RunError> {
         }
         watched.wall_seconds += start.elapsed().saturating_sub(clock_cost).as_secs_f64();
         watched.frames += 1;
+        if simulation.balls().len() > 2 * sorted {
+            // Cells for what has come since.
+            sorted = simulation.balls().len();
+            grid = Grid::new(simulation.balls(), simulation.world().size());
+        }
         watched.max_overlap = watched.max_overlap.max(max_overlap(&mut grid, simulation.balls()));
         let at_walls = max_wall_overlap(simulation.world(), simulation.balls());
         watched.max_wall_overlap = watched.max_wall_overlap.max(at_walls);

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::fill::Fill;
-use crate::simulation::limits::{OutOfRange, Quantity};
+use crate::simulation::limits::{DELTA, OutOfRange, Quantity};
 use crate::simulation::{Ball, Simulation, World};
 
 /// How many balls come in a second.
@@ -49,7 +49,7 @@ impl Rain {
         seconds: f64,
         mut go_on: impl FnMut() -> bool,
     ) -> Result<f64, OutOfRange> {
-        let mut left = seconds;
+        let mut left = DELTA.check(seconds)?;
         // Frames that end with a spell but for rounding see its balls.
         while let Some(wait) = self.wait().filter(|&wait| wait <= left + ROUNDING) {
             let done = simulation.advance_while(wait, &mut go_on)?;
@@ -60,9 +60,12 @@ impl Rain {
             }
             self.fall(simulation);
         }
-        let done = simulation.advance_while(left.max(0.0), go_on)?;
+        if left <= 0.0 && seconds > 0.0 {
+            return Ok(seconds);
+        }
+        let done = simulation.advance_while(left, go_on)?;
         self.pass(done);
-        Ok(seconds - left.max(0.0) + done)
+        Ok(seconds - left + done)
     }
 
     /// The time until balls come again, s; `None` where the world is full.

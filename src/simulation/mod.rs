@@ -204,7 +204,8 @@ impl Simulation {
     /// g·h² stays under r/50 for substeps of h seconds.
     ///
     /// Balls that fly, and meet one after the other, do so to rounding whatever the number. Piles sink in by up to a few
-    /// times g·h² where there are fewer than it would choose, and cost grows in proportion where there are more.
+    /// times g·h² where there are fewer than it would choose, and what lies on a wall of restitution 1 hops as high; cost
+    /// grows in proportion where there are more.
     ///
     /// # Errors
     /// [`OutOfRange`] where the number is not in the range of [`limits::SUBSTEPS`].
@@ -216,8 +217,9 @@ impl Simulation {
     }
 
     /// The same simulation in which balls at rest may sleep, or not. Only [`Solver::Contact`] lets them: a ball that was
-    /// held and hardly moved for half a second stands still and costs next to nothing, until something hits it firmly,
-    /// or what acts on it is no longer in balance. They may unless told otherwise.
+    /// held, in balance, and slower than g·h/4 (for substeps of h seconds under gravity g: about 1 px/s) for half a second
+    /// stands still, until something hits it firmly, it loses a support or a load, or what acts on it is no longer in
+    /// balance. Pairs at rest cost little then, and where all sleep nothing does. They may unless told otherwise.
     #[must_use]
     pub fn with_sleep(mut self, sleep: bool) -> Self {
         self.tuning.sleep = sleep;

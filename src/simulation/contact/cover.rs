@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::find::{Beside, FEW, Hold, Home, Near, Pair, is_clear};
+use super::find::{Beside, FEW, Hold, Home, Near, Pair, Reach, is_clear};
 use super::{Body, Setting};
 
 /// All pairs are searched anew where more than one in so many balls would have to be covered anew ...
@@ -39,16 +39,16 @@ impl Near {
         true
     }
 
-    /// Covers a ball that was hit so that it goes as far as `end` in this substep, if it is not covered there. Whether
-    /// that has found new pairs.
-    pub(super) fn widen(&mut self, at: usize, end: DVec2, bodies: &[Body], setting: &Setting) -> bool {
-        let home = self.homes[at];
-        let far = end.distance(home.position);
-        if far <= home.reach {
+    /// Covers a ball that was hit at `time` s into this substep on its way to the end of it, if it is not covered there.
+    /// Whether that has found new pairs.
+    pub(super) fn widen(&mut self, at: usize, time: f64, bodies: &[Body], setting: &Setting) -> bool {
+        let (body, end) = (&bodies[at], bodies[at].end(setting.substep));
+        if self.homes[at].covers(end) {
             return false;
         }
-        // Twice as far, since it may be hit again.
-        self.change_home(at, Home { reach: 2.0 * far, ..home }, bodies, setting)
+        let way = 0.5 * body.velocity * (setting.substep - time);
+        let home = Home { position: end - way, reach: way.length() + self.skin(body, setting) };
+        self.change_home(at, home, bodies, setting)
     }
 
     /// Covers a ball from where it is now.
@@ -61,40 +61,52 @@ impl Near {
     fn change_home(&mut self, at: usize, home: Home, bodies: &[Body], setting: &Setting) -> bool {
         self.link_pairs(bodies.len());
         let count = self.pairs.len();
+        if self.is_as_sorted(at, bodies) {
+            self.moved.push(at as u32);
+        }
         self.homes[at] = home;
         if self.seeks_pairs {
             self.find_more_pairs(at, bodies, setting);
         }
-        let beside_wall = setting.walls.is_some()
-            && !is_clear(home.position, bodies[at].radius + home.reach, setting.size)
-            && bodies[at].inverse_mass > 0.0;
+        let beside_wall =
+            setting.walls.is_some() && !is_clear(home.position, bodies[at].radius + home.reach, setting.size);
         if beside_wall && self.place_beside(at as u32).is_none() {
+            self.places_beside[at] = self.beside.len() as u32;
             self.beside.push(Beside { body: at as u32, push: DVec2::ZERO });
         }
         self.pairs.len() > count
     }
 
+    /// Whether a ball is covered as it was when balls were last sorted into cells.
+    fn is_as_sorted(&self, at: usize, bodies: &[Body]) -> bool {
+        let home = &self.homes[at];
+        let as_sorted =
+            |disc: &Reach| disc.centre == home.position && disc.radius == bodies[at].radius + home.reach;
+        self.discs.get(at).is_some_and(as_sorted)
+    }
+
     /// Adds the pairs of a ball that it does not have yet.
     fn find_more_pairs(&mut self, at: usize, bodies: &[Body], setting: &Setting) {
-        let Self { pairs, holds, held, idle, close, homes, grid, discs, moved, links, .. } = self;
+        let Self { pairs, holds, held, idle, close, homes, grid, moved, links, known, .. } = self;
+        known.begin(bodies.len());
+        for place in links.of(at as u32) {
+            known.add(pairs[place].first);
+            known.add(pairs[place].second);
+        }
         let (ball, home) = (&bodies[at], homes[at]);
         let up = -setting.kick;
         let mut consider = |other: usize| {
             let (body, its) = (&bodies[other], &homes[other]);
             let reach = ball.radius + home.reach + body.radius + its.reach;
             let give = ball.inverse_mass + body.inverse_mass;
-            if other == at || give == 0.0 || its.position.distance_squared(home.position) > reach * reach {
-                return;
-            }
-            let is_known =
-                |place: usize| pairs[place].first == other as u32 || pairs[place].second == other as u32;
-            if links.of(at as u32).any(is_known) {
+            let touches = its.position.distance_squared(home.position) <= reach * reach;
+            if other == at || !touches || !known.add(other as u32) {
                 return;
             }
             let upper = (ball.position - body.position).dot(up) >= 0.0;
             let (first, second) = if upper { (at, other) } else { (other, at) };
             pairs.push(Pair { first: first as u32, second: second as u32 });
-            idle.push(false);
+            idle.push(give == 0.0);
             close.push(true);
             if setting.rests {
                 holds.push(Hold { mass: give.recip(), ..Hold::NONE });
@@ -104,20 +116,9 @@ impl Near {
         match grid {
             Some((grid, _)) if bodies.len() > FEW => {
                 // The cells know the others as they were when they were sorted.
-                let is_as_sorted = |other: usize| {
-                    let (disc, its) = (&discs[other], &homes[other]);
-                    disc.centre == its.position && disc.radius == bodies[other].radius + its.reach
-                };
-                grid.for_each_near(home.position, ball.radius + home.reach, |other| {
-                    if is_as_sorted(other as usize) {
-                        consider(other as usize);
-                    }
-                });
+                grid.for_each_near(home.position, ball.radius + home.reach, |other| consider(other as usize));
                 for &other in &*moved {
                     consider(other as usize);
-                }
-                if !moved.contains(&(at as u32)) {
-                    moved.push(at as u32);
                 }
             }
             _ => (0..bodies.len()).for_each(consider),

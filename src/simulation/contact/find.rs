@@ -6,7 +6,7 @@
 use glam::DVec2;
 
 use super::super::grid::{Disc, Grid, touch};
-use super::order::{Heights, Kept, Links};
+use super::order::{Heights, Kept, Known, Links};
 use super::sleep::Rest;
 use super::{Body, Setting};
 
@@ -23,10 +23,14 @@ const SEARCHES_PER_ORDER: u32 = 16;
 /// Cells are made anew where discs have become larger or smaller than those that they were made for by this factor.
 const MISFIT: f64 = 1.25;
 
+/// The place of a ball that is not beside a wall.
+const NOWHERE: u32 = u32::MAX;
+
 /// What the last search found.
 #[derive(Debug, Default)]
 pub(super) struct Near {
-    /// Where there is gravity, the first is the upper one, and pairs stand in the order of its height, from the lowest up.
+    /// Where there is gravity, the first is the upper one, and pairs stand in the order of its height, from the lowest up,
+    /// before those that were added since.
     pub(super) pairs: Vec<Pair>,
     /// For each pair; empty where nothing rests.
     pub(super) holds: Vec<Hold>,
@@ -38,8 +42,8 @@ pub(super) struct Near {
     pub(super) close: Vec<bool>,
     /// Balls that may touch a wall.
     pub(super) beside: Vec<Beside>,
-    /// How many of them the search found, in the order of the balls; others were added since.
-    found_beside: usize,
+    /// For each ball its place among them, or [`NOWHERE`].
+    pub(super) places_beside: Vec<u32>,
     pub(super) homes: Vec<Home>,
     /// Balls that were kept from going where they are not covered.
     pub(super) strays: Vec<u32>,
@@ -57,6 +61,7 @@ pub(super) struct Near {
     kept: Kept,
     heights: Heights,
     pub(super) links: Links,
+    pub(super) known: Known,
 }
 
 /// Two balls that may touch.
@@ -104,7 +109,7 @@ pub(super) struct Beside {
     pub(super) push: DVec2,
 }
 
-/// Where a ball was at the last search, and how far from there it is covered, px.
+/// Where a ball was when it was last covered, and how far from there it is, px.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Home {
     pub(super) position: DVec2,
@@ -223,9 +228,7 @@ impl Near {
 
     /// The place of a ball among those beside walls, if it is one of them.
     pub(super) fn place_beside(&self, body: u32) -> Option<usize> {
-        let (found, more) = self.beside.split_at(self.found_beside);
-        let place = found.binary_search_by_key(&body, |beside| beside.body).ok();
-        place.or_else(|| Some(found.len() + more.iter().position(|beside| beside.body == body)?))
+        self.places_beside.get(body as usize).filter(|&&place| place != NOWHERE).map(|&place| place as usize)
     }
 
     /// Gives balls anew what holds them: pairs that are not near any more hold nothing.
@@ -267,15 +270,22 @@ impl Near {
         }
     }
 
+    /// How far a ball is covered at least around its way, px.
+    pub(super) fn skin(&self, body: &Body, setting: &Setting) -> f64 {
+        SKIN * body.radius + self.usual * setting.substep
+    }
+
     fn find_walls(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting) {
         self.beside.clear();
+        self.places_beside.clear();
+        self.places_beside.resize(bodies.len(), NOWHERE);
         for (at, (body, home)) in bodies.iter().zip(&self.homes).enumerate() {
             let clear = is_clear(home.position, body.radius + home.reach, setting.size);
             if !clear && rests[at].weight > 0.0 {
+                self.places_beside[at] = self.beside.len() as u32;
                 self.beside.push(Beside { body: at as u32, push: self.kept.by_wall(at) });
             }
         }
-        self.found_beside = self.beside.len();
     }
 
     #[inline]
@@ -352,7 +362,6 @@ impl Near {
         for beside in &mut self.beside {
             beside.body = place[beside.body as usize];
         }
-        self.beside.sort_unstable_by_key(|beside| beside.body);
     }
 }
 

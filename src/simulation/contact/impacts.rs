@@ -266,7 +266,7 @@ impl Course {
             end(setting, &mut bodies[at], time);
         }
         self.exhausted |= self.fast[at] && self.hits[at] >= MOST_FAST;
-        if near.widen(at, bodies[at].end(setting.substep), bodies, setting) {
+        if near.widen(at, time, bodies, setting) {
             near.link_pairs(bodies.len());
         }
     }

@@ -312,6 +312,9 @@ impl Contact {
             }
             (ball.position, ball.velocity) = (position, velocity);
         }
+        if self.near.is_none() {
+            frame.touching.fill(false);
+        }
         if let Some(near) = &self.near {
             for (pair, _) in near.pairs.iter().zip(&near.holds).filter(|(_, hold)| hold.impulse > 0.0) {
                 self.hit[pair.first as usize] = true;

@@ -137,6 +137,27 @@ impl Link {
     }
 }
 
+/// A set of balls that is soon emptied.
+#[derive(Debug, Default)]
+pub(super) struct Known {
+    /// When each ball was last added.
+    stamps: Vec<u64>,
+    now: u64,
+}
+
+impl Known {
+    /// Empties it, and makes room for so many balls.
+    pub(super) fn begin(&mut self, count: usize) {
+        self.now += 1;
+        self.stamps.resize(count, 0);
+    }
+
+    /// Adds a ball. Whether it was not there yet.
+    pub(super) fn add(&mut self, ball: u32) -> bool {
+        std::mem::replace(&mut self.stamps[ball as usize], self.now) != self.now
+    }
+}
+
 /// What held balls when pairs were searched anew.
 #[derive(Debug, Default)]
 pub(super) struct Kept {

@@ -8,18 +8,25 @@
 use glam::DVec2;
 
 use super::find::Near;
-use super::{Body, Contact};
+use super::support::let_go;
+use super::{Body, Contact, Setting};
 
 /// Seconds that a ball must have rested for.
 const WINDOW: f64 = 0.5;
+/// ... and substeps.
+const LEAST_WINDOW: u64 = 32;
 /// A ball rests where it has drifted slower than this, in kicks of gravity (the speed that gravity gives in a substep).
 const DRIFT: f64 = 0.25;
 /// A ball that overlaps another by more than this part of the smaller radius is not at rest.
 const DEEP: f64 = 0.05;
+/// ... and where what acts on it differs from balance by less than this part of its weight and of all that presses on it.
+const EVEN: f64 = 0.15;
 /// A ball wakes where what acts on it differs from balance by more than this part of its weight ...
 const WEIGHT: f64 = 0.5;
 /// ... and this part of all that presses on it.
 const PRESS: f64 = 0.25;
+/// What acts on a ball that wakes goes on acting if it differs from balance by less than so many kicks of gravity.
+const WARM: f64 = 300.0;
 /// A ball wakes where it loses a support, or a load, of more than this part of its weight.
 const LOST: f64 = 0.1;
 
@@ -31,32 +38,59 @@ pub(super) struct Rest {
     pub(super) weight: f64,
     /// Where it was when its rest was last looked at.
     anchor: DVec2,
+    /// Whether it was elsewhere in the meantime.
+    strayed: bool,
 }
 
 impl Rest {
     pub(super) fn new(body: &Body) -> Self {
-        Self { asleep: false, weight: body.inverse_mass, anchor: body.position }
+        Self { asleep: false, weight: body.inverse_mass, anchor: body.position, strayed: false }
     }
 }
 
 impl Contact {
     /// Lets balls fall asleep that have rested for a while.
     pub(super) fn fall_asleep(&mut self) {
-        let window = (WINDOW * f64::from(self.rate)).ceil() as u64;
-        if !self.sleeps || !self.steps.is_multiple_of(window) {
+        let window = ((WINDOW * f64::from(self.rate)).ceil() as u64).max(LEAST_WINDOW);
+        if !self.sleeps {
             return;
         }
+        match self.steps % window {
+            0 => self.put_to_sleep(window),
+            // What swings may be where it was at the end, but not here, too.
+            step if step == window * 3 / 8 => self.find_strays(window),
+            _ => {}
+        }
+    }
+
+    /// How far a ball at rest may drift in a window of so many substeps, px.
+    fn drift(&self, window: u64) -> f64 {
+        DRIFT * self.setting.kick.length() * window as f64 * self.setting.substep
+    }
+
+    fn find_strays(&mut self, window: u64) {
+        let drift = self.drift(window);
+        for (rest, body) in self.rests.iter_mut().zip(&self.bodies) {
+            rest.strayed = body.position.distance_squared(rest.anchor) > drift * drift;
+        }
+    }
+
+    fn put_to_sleep(&mut self, window: u64) {
         self.find_held();
-        self.find_grounded();
         self.find_deep();
+        let drift = self.drift(window);
         let Self { setting, bodies, rests, near: Some(near), held, .. } = self else { return };
-        let drift = DRIFT * setting.kick.length() * window as f64 * setting.substep;
-        for ((body, rest), &held) in bodies.iter_mut().zip(&mut *rests).zip(&*held) {
+        near.link_pairs(bodies.len());
+        for (at, (body, rest)) in bodies.iter_mut().zip(&mut *rests).enumerate() {
             // One that was hit just now has not gone far either.
             let slow = body.velocity.length_squared() < setting.kick.length_squared();
-            let still = slow && body.position.distance_squared(rest.anchor) < drift * drift;
-            rest.anchor = body.position;
-            if still && held && rest.weight > 0.0 {
+            let still = slow && !rest.strayed && body.position.distance_squared(rest.anchor) < drift * drift;
+            (rest.anchor, rest.strayed) = (body.position, false);
+            if still
+                && rest.weight > 0.0
+                && !rest.asleep
+                && is_balanced(at, body, rest, held[at], near, setting)
+            {
                 rest.asleep = true;
                 body.inverse_mass = 0.0;
                 (body.velocity, body.free) = (DVec2::ZERO, DVec2::ZERO);
@@ -66,19 +100,6 @@ impl Contact {
             near.weigh(at, bodies);
         }
         self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.weight == 0.0);
-    }
-
-    /// Counts bodies as held that hop on a wall less high than gravity takes them in a substep.
-    fn find_grounded(&mut self) {
-        let Self { setting, bodies, near: Some(near), held, .. } = self else { return };
-        let hop = setting.kick.abs() * setting.substep;
-        for beside in &near.beside {
-            let body = &bodies[beside.body as usize];
-            let below = setting.size - body.radius - body.position;
-            let above = body.position - body.radius;
-            let gap = DVec2::select(setting.kick.cmpgt(DVec2::ZERO), below, above);
-            held[beside.body as usize] |= gap.cmplt(hop).any();
-        }
     }
 
     /// Counts bodies that overlap others deeply as not held.
@@ -113,10 +134,31 @@ impl Contact {
             let tolerance = WEIGHT * kick.length() + PRESS * pressed;
             if (given.velocity + kick).length_squared() > tolerance * tolerance {
                 wake(at, bodies, rests, near);
-                // As if it had been held like this in the substep that is over.
-                bodies[at].free = -given.velocity;
+                if (given.velocity + kick).length() < WARM * kick.length() {
+                    // As if it had been held like this in the substep that is over.
+                    bodies[at].free = -given.velocity;
+                } else {
+                    // It would be shot away.
+                    near.let_go_of(body, bodies);
+                }
             }
         }
+    }
+}
+
+impl Near {
+    /// Forgets what others and walls give a ball. Its pairs must be linked.
+    fn let_go_of(&mut self, body: u32, bodies: &mut [Body]) {
+        let mut link = self.links.last(body);
+        while let Some(at) = link {
+            let_go(bodies, self.pairs[at.pair()], &mut self.holds[at.pair()]);
+            link = self.links.before(at);
+        }
+        if let Some(at) = self.place_beside(body) {
+            self.beside[at].push = DVec2::ZERO;
+        }
+        let body = &mut bodies[body as usize];
+        (body.velocity, body.free) = (DVec2::ZERO, DVec2::ZERO);
     }
 }
 
@@ -128,10 +170,27 @@ pub(super) fn wake(at: usize, bodies: &mut [Body], rests: &mut [Rest], near: &mu
     near.weigh_pairs_of(at as u32, bodies);
 }
 
+/// Whether what holds a ball balances its weight. A wall on which it lies, or hops less high than gravity takes it in a
+/// substep, holds it as it must.
+fn is_balanced(at: usize, body: &Body, rest: &Rest, held: bool, near: &Near, setting: &Setting) -> bool {
+    let given = near.given(at as u32, rest.weight);
+    let below = setting.size - body.radius - body.position;
+    let above = body.position - body.radius;
+    let gap = DVec2::select(setting.kick.cmpgt(DVec2::ZERO), below, above);
+    let beside = DVec2::splat(f64::from(u8::from(near.place_beside(at as u32).is_some())));
+    let grounded = gap.cmplt(setting.kick.abs() * setting.substep * beside);
+    let left = DVec2::select(grounded, DVec2::ZERO, given.velocity + setting.kick);
+    (held || grounded.any()) && left.length() < EVEN * (setting.kick.length() + given.pressed)
+}
+
 /// Wakes a ball that something hits firmly, in the midst of a substep.
 pub(super) fn wake_by_hit(at: usize, kick: DVec2, bodies: &mut [Body], rests: &mut [Rest], near: &mut Near) {
     let given = near.given(at as u32, rests[at].weight);
     wake(at, bodies, rests, near);
+    if (given.velocity + kick).length() >= WARM * kick.length() {
+        near.let_go_of(at as u32, bodies);
+    }
+    let given = near.given(at as u32, rests[at].weight);
     bodies[at].free = kick;
     bodies[at].velocity = kick + given.velocity;
 }

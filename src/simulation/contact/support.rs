@@ -26,6 +26,8 @@ const SOFT: f64 = 0.006;
 const LOOSENED: f64 = 0.02;
 /// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
 const STEADY: f64 = 0.03;
+/// A wall's push that is less than this part of a velocity is rounding.
+const ROUNDING: f64 = 1e-9;
 /// The part of slow sliding of balls that press on each other that is taken away in a substep.
 const DAMPED: f64 = 0.1;
 /// Rounds over the pairs of one ball, where each may undo some of what the others did.
@@ -58,7 +60,11 @@ impl Contact {
             let (i, j) = (pair.first as usize, pair.second as usize);
             let carried = hold.impulse;
             // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
-            let near = !far[i] && !far[j] && take_up(setting, bodies, *pair, hold, shifted[i] || shifted[j]);
+            let torn = far[i] || far[j];
+            if torn && hold.impulse > 0.0 {
+                let_go(bodies, *pair, hold);
+            }
+            let near = !torn && take_up(setting, bodies, *pair, hold, shifted[i] || shifted[j]);
             if near {
                 touching.push(at as u32);
             }
@@ -110,7 +116,8 @@ impl Contact {
             };
             let body = &mut bodies[beside.body as usize];
             for axis in 0..2 {
-                if held[axis] != 0.0 {
+                // Not for what rounding leaves: one that just comes to a wall is not held by it.
+                if held[axis].abs() > ROUNDING * body.velocity[axis].abs() {
                     let velocity = hold(body.velocity[axis], held[axis]);
                     beside.push[axis] += velocity - body.velocity[axis];
                     body.velocity[axis] = velocity;
@@ -203,6 +210,15 @@ fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, 
     };
     press(hold, first, second, SOFT);
     true
+}
+
+/// Forgets how two balls held each other. What that has given them stays, as if it had been an impact.
+pub(super) fn let_go(bodies: &mut [Body], pair: Pair, hold: &mut Hold) {
+    let given = hold.normal * hold.impulse + hold.grip;
+    let (first, second) = two(bodies, pair);
+    first.free += given * first.inverse_mass;
+    second.free -= given * second.inverse_mass;
+    (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
 }
 
 /// Takes a part of the velocity with which two balls that press on each other slide along each other, where that is slow.

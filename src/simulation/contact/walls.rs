@@ -58,9 +58,9 @@ pub(super) fn meet_walls(
             continue;
         };
         let change = body.change(setting.kick)[axis];
-        // In closed form only where nothing but gravity acts on it.
+        // In closed form only where nothing but gravity acts on it along this axis.
         let rests = side * beside.push[axis] > 0.0;
-        let lone = !rests && body.velocity == body.free;
+        let lone = !rests && body.velocity[axis] == body.free[axis];
         let (acceleration, start) = if lone {
             (change / setting.substep, body.velocity[axis] - 0.5 * change)
         } else {
