@@ -16,7 +16,7 @@ const SKIN: f64 = 0.1;
 const HORIZON: f64 = 3.0;
 /// The same for few balls, all pairs of which are soon compared.
 const FEW_HORIZON: f64 = 6.0;
-/// The most balls for which comparing all pairs is cheaper than keeping a grid.
+/// The most balls that are few: comparing all pairs is cheaper than keeping a grid.
 pub(super) const FEW: usize = 40;
 /// Balls are put in the order of their places once in so many searches.
 const SEARCHES_PER_ORDER: u32 = 16;

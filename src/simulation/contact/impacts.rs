@@ -11,13 +11,15 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::find::Pair;
+use super::find::{FEW, Pair};
 use super::meeting::{Approach, Stage};
 use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
 use super::{Body, Contact, SHIFT, Setting, Tally};
 
-/// Impacts of a ball in one substep, at most.
-const MOST: u32 = 32;
+/// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
+const MOST: u32 = 8;
+/// The same among few balls, where each counts.
+const MOST_OF_FEW: u32 = 64;
 /// The same of a fast ball.
 const MOST_FAST: u32 = 256;
 /// A ball that goes farther in a substep than so many times its radius is fast.
@@ -34,6 +36,8 @@ pub(super) struct Course {
     /// Bodies that are fast, and whether there are any.
     fast: Vec<bool>,
     any_fast: bool,
+    /// How often a body may be hit that is not.
+    most: u32,
     /// Whether a fast one was hit so often that the substep ends for all of them.
     exhausted: bool,
     /// Whether it has.
@@ -126,6 +130,7 @@ impl Course {
         fast.clear();
         fast.extend(bodies.iter().map(|body| is_fast(setting, body)));
         self.any_fast = fast.contains(&true);
+        self.most = if bodies.len() <= FEW { MOST_OF_FEW } else { MOST };
         (self.exhausted, self.ended) = (false, false);
         self.queue.clear();
     }
@@ -150,7 +155,7 @@ impl Course {
     fn foresee(&mut self, stage: &mut Stage<'_>, body: usize) {
         if self.fast[body] {
             self.foresee_fast_wall(stage, body);
-        } else if self.hits[body] < MOST
+        } else if self.hits[body] < self.most
             && let Some(at) = stage.near.place_beside(body as u32)
         {
             self.foresee_wall(stage, at);
@@ -197,7 +202,7 @@ impl Course {
         let approach = Approach::of(setting, &bodies[i], &bodies[j]);
         near.close[at] = approach.closes_in;
         let fast = self.fast[i] || self.fast[j];
-        let enough = if fast { self.ended } else { self.hits[i].max(self.hits[j]) >= MOST };
+        let enough = if fast { self.ended } else { self.hits[i].max(self.hits[j]) >= self.most };
         if approach.may_meet
             && !enough
             && let Some(meeting) = stage.meeting(at as u32, self.times[i].max(self.times[j]))
