@@ -70,9 +70,7 @@ const PITCH_STEPS: u32 = 20;
 impl Fill {
     /// As many of the fill's balls as find room among `present` in `world`; `stream` sets fills of one seed apart.
     pub(crate) fn place(&self, world: &World, present: &[Ball], stream: u64) -> Vec<Ball> {
-        let (room, mut rng) = (self.room(world), self.rng(stream));
-        let radii: Vec<f64> = (0..self.count).map(|_| between(&mut rng, self.radius)).collect();
-
+        let (room, mut rng, radii) = self.draw(world, stream);
         // Balls that cover more than there is need no second trial.
         let covered: f64 = radii.iter().map(|radius| PI * radius * radius).sum();
         let mut places = throw(&mut rng, &room, &radii, present);
@@ -89,21 +87,18 @@ impl Fill {
 
     /// The same, at random places only.
     pub(crate) fn place_at_random(&self, world: &World, present: &[Ball], stream: u64) -> Vec<Ball> {
-        let (room, mut rng) = (self.room(world), self.rng(stream));
-        let radii: Vec<f64> = (0..self.count).map(|_| between(&mut rng, self.radius)).collect();
+        let (room, mut rng, radii) = self.draw(world, stream);
         let places = throw(&mut rng, &room, &radii, present);
         self.balls(&mut rng, &radii, places)
     }
 
-    fn room(&self, world: &World) -> Room {
+    /// The room for the balls, their radii, and what to draw the rest from.
+    fn draw(&self, world: &World, stream: u64) -> (Room, ChaCha8Rng, Vec<f64>) {
         let (low, high) = self.region.unwrap_or((DVec2::ZERO, world.size()));
-        Room { low, high: high.min(world.size()) }
-    }
-
-    fn rng(&self, stream: u64) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(stream);
-        rng
+        let radii = (0..self.count).map(|_| between(&mut rng, self.radius)).collect();
+        (Room { low, high: high.min(world.size()) }, rng, radii)
     }
 
     /// Balls of these radii at these places.

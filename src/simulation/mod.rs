@@ -133,13 +133,11 @@ trait Advance: fmt::Debug + Send {
     /// than asked for only where `go_on` said no. `go_on` is asked now and then where the work may be long, and not
     /// before some of it is done, so that every call gets on. `frame` then holds the state at the time returned.
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64;
-    /// Takes up balls that were added behind those that it knows, `balls` being all of them; whether it could. If not, it
-    /// is made anew.
-    fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
-        let _ = (world, balls);
+    /// Takes up balls that were added behind those that it knows, the list being that of all; whether it could. If not,
+    /// it is made anew.
+    fn add(&mut self, _world: &World, _balls: &[Ball]) -> bool {
         false
     }
-
     /// The parts that run.
     fn parts(&self, world: &World) -> Vec<Part>;
 }

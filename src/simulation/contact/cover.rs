@@ -40,15 +40,13 @@ impl Near {
     }
 
     /// Covers a ball that was hit at `time` s into this substep on its way to the end of it, if it is not covered there.
-    /// Whether that has found new pairs.
-    pub(super) fn widen(&mut self, at: usize, time: f64, bodies: &[Body], setting: &Setting) -> bool {
+    pub(super) fn widen(&mut self, at: usize, time: f64, bodies: &[Body], setting: &Setting) {
         let (body, end) = (&bodies[at], bodies[at].end(setting.substep));
-        if self.homes[at].covers(end) {
-            return false;
+        if !self.homes[at].covers(end) {
+            let way = 0.5 * body.velocity * (setting.substep - time);
+            let home = Home { position: end - way, reach: way.length() + self.skin(body, setting) };
+            self.change_home(at, home, bodies, setting);
         }
-        let way = 0.5 * body.velocity * (setting.substep - time);
-        let home = Home { position: end - way, reach: way.length() + self.skin(body, setting) };
-        self.change_home(at, home, bodies, setting)
     }
 
     /// Covers a ball from where it is now.
@@ -57,10 +55,9 @@ impl Near {
         self.change_home(at, home, bodies, setting);
     }
 
-    /// Gives a ball another home. Whether that has found new pairs.
-    fn change_home(&mut self, at: usize, home: Home, bodies: &[Body], setting: &Setting) -> bool {
+    /// Gives a ball another home, and links the pairs that it finds there.
+    fn change_home(&mut self, at: usize, home: Home, bodies: &[Body], setting: &Setting) {
         self.link_pairs(bodies.len());
-        let count = self.pairs.len();
         if self.is_as_sorted(at, bodies) {
             self.moved.push(at as u32);
         }
@@ -74,7 +71,6 @@ impl Near {
             self.places_beside[at] = self.beside.len() as u32;
             self.beside.push(Beside { body: at as u32, push: DVec2::ZERO });
         }
-        self.pairs.len() > count
     }
 
     /// Whether a ball is covered as it was when balls were last sorted into cells.

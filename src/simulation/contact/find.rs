@@ -190,6 +190,14 @@ impl Near {
         }
     }
 
+    /// The same for all pairs.
+    pub(super) fn weigh_all(&mut self, bodies: &[Body]) {
+        self.idle.resize(self.pairs.len(), false);
+        for at in 0..self.pairs.len() {
+            self.weigh(at, bodies);
+        }
+    }
+
     /// The same for all pairs of a ball, which must be linked.
     pub(super) fn weigh_pairs_of(&mut self, body: u32, bodies: &[Body]) {
         let mut link = self.links.last(body);
@@ -297,7 +305,7 @@ impl Near {
                 .zip(&self.homes)
                 .map(|(body, home)| Reach { centre: home.position, radius: body.radius + home.reach }),
         );
-        let Self { grid, pairs, holds, held, idle, close, kept, heights, discs, .. } = self;
+        let Self { grid, pairs, holds, held, close, kept, heights, discs, .. } = self;
         if discs.len() <= FEW {
             pairs.clear();
             for (i, one) in discs.iter().enumerate() {
@@ -326,19 +334,13 @@ impl Near {
         }
         close.clear();
         close.resize(pairs.len(), true);
-        let moves = |at: u32| bodies[at as usize].inverse_mass > 0.0;
-        idle.clear();
-        idle.extend(pairs.iter().map(|pair| !moves(pair.first) && !moves(pair.second)));
         if setting.rests {
             holds.clear();
-            holds.extend(pairs.iter().map(|pair| {
-                let (first, second) = (&bodies[pair.first as usize], &bodies[pair.second as usize]);
-                let mass = (first.inverse_mass + second.inverse_mass).recip();
-                kept.by_ball(*pair).map_or(Hold { mass, ..Hold::NONE }, |hold| Hold { mass, ..hold })
-            }));
+            holds.extend(pairs.iter().map(|pair| kept.by_ball(*pair).unwrap_or(Hold::NONE)));
             held.clear();
             held.extend(holds.iter().map(|hold| hold.impulse > 0.0));
         }
+        self.weigh_all(bodies);
     }
 
     /// Puts the balls in the order in which the last search found them in the cells: neighbours in space are neighbours

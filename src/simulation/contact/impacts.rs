@@ -271,9 +271,7 @@ impl Course {
             end(setting, &mut bodies[at], time);
         }
         self.exhausted |= self.fast[at] && self.hits[at] >= MOST_FAST;
-        if near.widen(at, time, bodies, setting) {
-            near.link_pairs(bodies.len());
-        }
+        near.widen(at, time, bodies, setting);
     }
 
     /// Ends the substep at `time` for all fast balls.

@@ -2,10 +2,12 @@
 //!
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
-//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`);
+//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `order`; of
+//!    single balls `cover`);
 //! 3. balls that meet exchange momentum at their time of impact (`impacts`, `meeting`, `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps (`support`);
-//! 5. balls move (`Contact::travel`).
+//! 5. balls move (`Contact::travel`);
+//! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`).
 //!
 //! Velocities are those half-way between two positions (leapfrog), so that a ball at rest has none. Frames evaluate the
 //! substeps and never write back, so the result does not depend on how time is cut into frames.
@@ -312,9 +314,6 @@ impl Contact {
             }
             (ball.position, ball.velocity) = (position, velocity);
         }
-        if self.near.is_none() {
-            frame.touching.fill(false);
-        }
         if let Some(near) = &self.near {
             for (pair, _) in near.pairs.iter().zip(&near.holds).filter(|(_, hold)| hold.impulse > 0.0) {
                 self.hit[pair.first as usize] = true;
@@ -324,6 +323,8 @@ impl Contact {
                 frame.touching[id as usize] = *hit;
                 *hit = false;
             }
+        } else {
+            frame.touching.fill(false);
         }
         if let Some(grid) = &mut self.shown {
             frame.touching.fill(false);

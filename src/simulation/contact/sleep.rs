@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::find::Near;
+use super::find::{Given, Near};
 use super::support::let_go;
 use super::{Body, Contact, Setting};
 
@@ -96,9 +96,7 @@ impl Contact {
                 (body.velocity, body.free) = (DVec2::ZERO, DVec2::ZERO);
             }
         }
-        for at in 0..near.pairs.len() {
-            near.weigh(at, bodies);
-        }
+        near.weigh_all(bodies);
         self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.weight == 0.0);
     }
 
@@ -133,14 +131,8 @@ impl Contact {
             let pressed = if lost * rests[at].weight > LOST * kick.length() { 0.0 } else { given.pressed };
             let tolerance = WEIGHT * kick.length() + PRESS * pressed;
             if (given.velocity + kick).length_squared() > tolerance * tolerance {
-                wake(at, bodies, rests, near);
-                if (given.velocity + kick).length() < WARM * kick.length() {
-                    // As if it had been held like this in the substep that is over.
-                    bodies[at].free = -given.velocity;
-                } else {
-                    // It would be shot away.
-                    near.let_go_of(body, bodies);
-                }
+                // As if it had been held like this in the substep that is over.
+                bodies[at].free = -wake(at, &given, kick, bodies, rests, near);
             }
         }
     }
@@ -157,17 +149,29 @@ impl Near {
         if let Some(at) = self.place_beside(body) {
             self.beside[at].push = DVec2::ZERO;
         }
-        let body = &mut bodies[body as usize];
-        (body.velocity, body.free) = (DVec2::ZERO, DVec2::ZERO);
     }
 }
 
-/// Wakes a ball, at rest. Its pairs must be linked.
-pub(super) fn wake(at: usize, bodies: &mut [Body], rests: &mut [Rest], near: &mut Near) {
+/// Wakes a ball, at rest, and tells what of that which it is `given` goes on: nothing where it would be shot away. Its pairs
+/// must be linked.
+fn wake(
+    at: usize,
+    given: &Given,
+    kick: DVec2,
+    bodies: &mut [Body],
+    rests: &mut [Rest],
+    near: &mut Near,
+) -> DVec2 {
     let rest = &mut rests[at];
     (rest.asleep, rest.anchor) = (false, bodies[at].position);
     bodies[at].inverse_mass = rest.weight;
     near.weigh_pairs_of(at as u32, bodies);
+    if (given.velocity + kick).length() < WARM * kick.length() {
+        given.velocity
+    } else {
+        near.let_go_of(at as u32, bodies);
+        DVec2::ZERO
+    }
 }
 
 /// Whether what holds a ball balances its weight. A wall on which it lies, or hops less high than gravity takes it in a
@@ -186,11 +190,7 @@ fn is_balanced(at: usize, body: &Body, rest: &Rest, held: bool, near: &Near, set
 /// Wakes a ball that something hits firmly, in the midst of a substep.
 pub(super) fn wake_by_hit(at: usize, kick: DVec2, bodies: &mut [Body], rests: &mut [Rest], near: &mut Near) {
     let given = near.given(at as u32, rests[at].weight);
-    wake(at, bodies, rests, near);
-    if (given.velocity + kick).length() >= WARM * kick.length() {
-        near.let_go_of(at as u32, bodies);
-    }
-    let given = near.given(at as u32, rests[at].weight);
+    let held = wake(at, &given, kick, bodies, rests, near);
     bodies[at].free = kick;
-    bodies[at].velocity = kick + given.velocity;
+    bodies[at].velocity = kick + held;
 }

@@ -14,7 +14,7 @@ const SHORTEST_HOP: f64 = 1.0 / 64.0;
 /// When a ball comes to a wall, if it does in this substep, s after its beginning; by its mean velocity.
 #[inline]
 pub(super) fn reaches_wall(setting: &Setting, body: &Body) -> Option<f64> {
-    let end = body.position + body.velocity * setting.substep;
+    let end = body.end(setting.substep);
     let (low, high) = (DVec2::splat(body.radius), setting.size - body.radius);
     let beyond = (low - end).max(end - high);
     let time = |axis: usize| {
@@ -47,7 +47,7 @@ pub(super) fn meet_walls(
 ) -> Option<Met> {
     let e = setting.walls?;
     let mut met: Option<Met> = None;
-    let end = body.position + body.velocity * setting.substep;
+    let end = body.end(setting.substep);
     let (low, high) = (DVec2::splat(body.radius), setting.size - body.radius);
     for axis in 0..2 {
         let (gap, side) = if end[axis] < low[axis] {
