@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::chart::{Axis, Curve, Dot, Figure, Panel, Style};
+use super::chart::{Dot, Figure, Panel};
 use super::document::{Csv, Section, Table, duration, rounded};
 use super::problems::Unposed;
 use super::setting::{GivenUp, Setting};
@@ -191,27 +191,15 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
 
 fn figure(found: &[(Setting, Statistics)]) -> Figure {
     let panel = |title: &str, label: &'static str, least: f64, value: fn(&Statistics) -> f64| {
-        let curves: Vec<Curve> = (Solver::ALL.iter())
-            .map(|&solver| {
-                let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
-                let dots = own.map(|(_, statistics)| Dot {
-                    x: statistics.times.median,
-                    y: value(statistics).max(least),
-                    spread: Some(statistics.times.quartiles),
-                });
-                let (label, style) = (solver.name().to_owned(), Style::of(solver));
-                Curve { label, style, dots: dots.collect(), marked: 1, lined: true }
-            })
-            .collect();
-        let dots = || curves.iter().flat_map(|curve| &curve.dots);
-        Panel {
-            title: title.to_owned(),
-            x: Axis::log("run time, s", dots().map(|dot| dot.x)),
-            y: Axis::log(label, dots().map(|dot| dot.y)),
-            guides: Vec::new(),
-            note: String::new(),
-            curves,
-        }
+        Panel::of_solvers(title, label, String::new(), |solver| {
+            let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
+            let dot = |(_, statistics): &(Setting, Statistics)| Dot {
+                x: statistics.times.median,
+                y: value(statistics).max(least),
+                spread: Some(statistics.times.quartiles),
+            };
+            own.map(dot).collect()
+        })
     };
     let pressure = |statistics: &Statistics| (statistics.compressibility / PUBLISHED - 1.0).abs();
     let panels = vec![

@@ -1,6 +1,6 @@
 //! A pile, measured by what is wrong with it once it lies: how deep its balls are in each other, and how much they move.
 
-use super::chart::{Axis, Curve, Dot, Figure, Panel, Style};
+use super::chart::{Dot, Figure, Panel, given_up};
 use super::document::{Csv, Section, Table, duration, rounded};
 use super::problems::Unposed;
 use super::setting::{GivenUp, Setting};
@@ -163,36 +163,16 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
 }
 
 fn figure(found: &[(Setting, Rest)], tried: &[Setting]) -> Figure {
-    let missing = |solver: Solver| {
+    let note = given_up(|solver| {
         let own = |setting: &Setting| setting.solver() == solver;
         let count = tried.iter().filter(|setting| own(setting)).count();
         count - found.iter().filter(|(setting, _)| own(setting)).count()
-    };
-    let missing = Solver::ALL.iter().map(|&solver| (solver, missing(solver))).filter(|(_, count)| *count > 0);
-    let missing: Vec<String> = missing.map(|(solver, count)| format!("{solver}: {count} given up")).collect();
+    });
     let panel = |title: &str, label: &'static str, value: fn(&Rest) -> f64| {
-        let curves: Vec<Curve> = (Solver::ALL.iter())
-            .map(|&solver| {
-                let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
-                let dots = own.map(|(_, rest)| Dot::at(rest.seconds, value(rest).max(1e-12))).collect();
-                Curve {
-                    label: solver.name().to_owned(),
-                    style: Style::of(solver),
-                    dots,
-                    marked: 1,
-                    lined: true,
-                }
-            })
-            .collect();
-        let dots = || curves.iter().flat_map(|curve| &curve.dots);
-        Panel {
-            title: title.to_owned(),
-            x: Axis::log("run time, s", dots().map(|dot| dot.x)),
-            y: Axis::log(label, dots().map(|dot| dot.y)),
-            guides: Vec::new(),
-            note: missing.join("; "),
-            curves,
-        }
+        Panel::of_solvers(title, label, note.clone(), |solver| {
+            let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
+            own.map(|(_, rest)| Dot::at(rest.seconds, value(rest).max(1e-12))).collect()
+        })
     };
     let panels = vec![
         panel("A settled pile: overlap", "largest overlap, radii", |rest| rest.most_overlap),

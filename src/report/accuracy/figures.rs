@@ -2,7 +2,7 @@
 
 use super::{Measured, Point};
 use crate::report::ReportError;
-use crate::report::chart::{Axis, ChartError, Curve, Dot, Figure, Guide, Panel, Style};
+use crate::report::chart::{ChartError, Dot, Figure, Guide, Panel, given_up};
 use crate::report::problems::Problem;
 use crate::simulation::Solver;
 
@@ -28,11 +28,14 @@ pub(super) fn all(name: String, group: &[&(&Problem, Vec<Point>)], at_end: bool)
     Figure { name, columns: COLUMNS, panels }
 }
 
-/// A solver's points as a curve, and how many are missing.
-fn curve(points: &[Point], solver: Solver, at_end: bool) -> (Curve, usize) {
-    let own: Vec<&Point> = points.iter().filter(|point| point.setting.solver() == solver).collect();
-    let dots: Vec<Dot> = own
-        .iter()
+/// A solver's points.
+fn own(points: &[Point], solver: Solver) -> impl Iterator<Item = &Point> {
+    points.iter().filter(move |point| point.setting.solver() == solver)
+}
+
+/// A solver's points, as far as they can be drawn.
+fn dots(points: &[Point], solver: Solver, at_end: bool) -> Vec<Dot> {
+    own(points, solver)
         .filter_map(|point| point.outcome.as_ref().ok())
         .filter(|measured| measured.run.is_finite())
         .map(|Measured { end, run, times, .. }| Dot {
@@ -40,38 +43,22 @@ fn curve(points: &[Point], solver: Solver, at_end: bool) -> (Curve, usize) {
             y: if at_end { *end } else { *run }.max(LEAST_ERROR),
             spread: Some(times.quartiles),
         })
-        .collect();
-    let missing = own.len() - dots.len();
-    (
-        Curve { label: solver.name().to_owned(), style: Style::of(solver), dots, marked: 1, lined: true },
-        missing,
-    )
+        .collect()
 }
 
 fn panel(problem: &Problem, points: &[Point], at_end: bool) -> Panel {
-    let (curves, missing): (Vec<Curve>, Vec<usize>) =
-        Solver::ALL.iter().map(|&solver| curve(points, solver, at_end)).unzip();
-    let given_up: Vec<String> = (Solver::ALL.iter().zip(missing))
-        .filter(|(_, missing)| *missing > 0)
-        .map(|(solver, missing)| format!("{solver}: {missing} given up"))
-        .collect();
-    let dots = || curves.iter().flat_map(|curve| &curve.dots);
+    let dots = |solver| dots(points, solver, at_end);
+    let note = given_up(|solver| own(points, solver).count() - dots(solver).len());
+    let panel = Panel::of_solvers(problem.title, "error, px", note, dots);
     // Steps are coarsest at the first point of `canvas`: guides begin there.
     // Where that is right by chance, they would say nothing.
-    let first = curves[0].dots.first().filter(|dot| dot.y > 1e3 * LEAST_ERROR);
+    let first = panel.curves[0].dots.first().filter(|dot| dot.y > 1e3 * LEAST_ERROR);
     let through = first.map(|dot| (dot.x, dot.y));
     let guide = |order: i32| {
         let label = format!("order {order}");
         through.map(|through| Guide { label, through, slope: -f64::from(order) })
     };
-    Panel {
-        title: problem.title.to_owned(),
-        x: Axis::log("run time, s", dots().map(|dot| dot.x)),
-        y: Axis::log("error, px", dots().map(|dot| dot.y)),
-        guides: [1, 2].into_iter().filter_map(guide).collect(),
-        curves,
-        note: given_up.join("; "),
-    }
+    Panel { guides: [1, 2].into_iter().filter_map(guide).collect(), ..panel }
 }
 
 impl From<ChartError> for ReportError {

@@ -111,6 +111,41 @@ pub(super) struct Panel {
     pub(super) note: String,
 }
 
+impl Panel {
+    /// What accuracy costs: a quantity, called `label`, against run time, a curve for each solver.
+    pub(super) fn of_solvers(
+        title: &str,
+        label: &'static str,
+        note: String,
+        dots: impl Fn(Solver) -> Vec<Dot>,
+    ) -> Self {
+        let curve = |&solver: &Solver| Curve {
+            label: solver.name().to_owned(),
+            style: Style::of(solver),
+            dots: dots(solver),
+            marked: 1,
+            lined: true,
+        };
+        let curves: Vec<Curve> = Solver::ALL.iter().map(curve).collect();
+        let all = || curves.iter().flat_map(|curve| &curve.dots);
+        Self {
+            title: title.to_owned(),
+            x: Axis::log("run time, s", all().map(|dot| dot.x)),
+            y: Axis::log(label, all().map(|dot| dot.y)),
+            guides: Vec::new(),
+            note,
+            curves,
+        }
+    }
+}
+
+/// What is said of the settings that each solver could not be run with, where there are any.
+pub(super) fn given_up(missing: impl Fn(Solver) -> usize) -> String {
+    let counts = Solver::ALL.iter().map(|&solver| (solver, missing(solver))).filter(|&(_, count)| count > 0);
+    let said: Vec<String> = counts.map(|(solver, count)| format!("{solver}: {count} given up")).collect();
+    said.join("; ")
+}
+
 /// Panels beside and below each other, with one legend.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Figure {
