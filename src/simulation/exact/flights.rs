@@ -132,6 +132,11 @@ impl Marks {
         Self(1 << axis)
     }
 
+    /// It is held by others, and stands still (see `settle`).
+    pub(super) const HELD: Self = Self(128);
+    /// As much chatter as is counted.
+    pub(super) const MOST_CHATTER: u16 = 15;
+
     /// Of an axis each: whether it rests there, as a number from 0 to 3.
     #[inline]
     pub(super) fn rests(self) -> usize {
@@ -160,6 +165,24 @@ impl Marks {
     pub(super) fn strike(&mut self, soon: bool) {
         let hits = if soon { (self.quick_hits() + 1).min(15) } else { 0 };
         self.0 = self.0 & !(15 << 8) | hits << 8 | Self::STRUCK.0;
+    }
+
+    /// How many impacts it has had in a row that were chatter, up to [`MOST_CHATTER`](Self::MOST_CHATTER).
+    #[inline]
+    pub(super) fn chatter(self) -> u16 {
+        self.0 >> 12
+    }
+
+    /// Notes whether an impact was chatter.
+    #[inline]
+    pub(super) fn note_chatter(&mut self, chatters: bool) {
+        let hits = if chatters { (self.chatter() + 1).min(Self::MOST_CHATTER) } else { 0 };
+        self.0 = self.0 & !(15 << 12) | hits << 12;
+    }
+
+    /// Forgets the chatter so far.
+    pub(super) fn calm_down(&mut self) {
+        self.note_chatter(false);
     }
 
     #[inline]

@@ -12,6 +12,7 @@ use crate::simulation::Tally;
 use crate::simulation::impulse::{exact_impact, held_impact};
 
 use super::flights::{Marks, Matter};
+use super::settle::FIRM;
 use super::{Exact, LEAN, Needs};
 
 /// The part of the rest speed below which even a wall of restitution 1 holds a ball, since its hops are too many.
@@ -24,8 +25,8 @@ const BARELY: f64 = 1e-3;
 /// ... once so many hits came one soon after the other: a ball on the floor that is hit goes to and fro a few times between
 /// what hit it and the floor, and loses what it should.
 const QUICK: u16 = 8;
-/// The gravity that sets the time scale of chatter where there is none, px/s².
-const EARTH: f64 = 980.0;
+/// The demo's gravity, px/s²: it sets the time scale of chatter where there is none, and the rest speed is meant for it.
+pub(super) const EARTH: f64 = 980.0;
 /// A ball that hits a wall is as near to it as this part of the world's size. One that is not began beyond it, and
 /// stays where it is.
 const AT_THE_WALL: f64 = 1e-12;
@@ -92,7 +93,7 @@ impl Exact {
     }
 
     /// Begins a new flight of a ball.
-    fn set_out(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
+    pub(super) fn set_out(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
         let soon = self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter();
         self.marks[slot].strike(soon);
         let flight = &mut self.flights[slot];
@@ -121,6 +122,7 @@ impl Exact {
         velocity[axis] = if rests { 0.0 } else { -before * self.wall_restitution(speed < chatter_speed) };
         tally.wall_hits += u64::from(speed > 0.0);
         tally.wall_impulse[axis] += mass * (velocity[axis] - before);
+        let chatters = speed < chatter_speed && self.wall_restitution(false) < 1.0;
         self.set_out(slot, (position, velocity), now);
         let marks = &mut self.marks[slot];
         marks.set(Marks::rests_on(axis), rests);
@@ -128,7 +130,12 @@ impl Exact {
             // So long a hop is one of its own; what is pressed to the wall by others hits it sooner.
             marks.set(Marks::LEANS, false);
         }
+        marks.note_chatter(chatters);
+        let long = marks.chatter() == Marks::MOST_CHATTER;
         self.foresee::<N>(slot, now);
+        if long {
+            self.settle::<N>(slot, now);
+        }
     }
 
     /// Whether a ball that hits a wall at this speed, px/s, where gravity presses it, stays there.
@@ -150,7 +157,20 @@ impl Exact {
     pub(super) fn collide<N: Needs>(&mut self, tally: &mut Tally, one: usize, other: usize, now: f64) {
         let ((p1, v1), (p2, v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
         let meeting = Meeting { distance: p1 - p2, velocity: v1 - v2 };
-        let (first, second) = (self.matter::<N>(one), self.matter::<N>(other));
+        if N::GRAVITY && !meeting.slower_than(FIRM * self.rest_speed) {
+            for slot in [one, other] {
+                if self.marks[slot].has(Marks::HELD) {
+                    self.free::<N>(slot, now);
+                }
+            }
+        }
+        let matter = |slot: usize| {
+            let matter = *self.matter::<N>(slot);
+            // What is held does not give way.
+            let held = N::GRAVITY && self.marks[slot].has(Marks::HELD);
+            Matter { mass: if held { f64::INFINITY } else { matter.mass }, ..matter }
+        };
+        let (first, second) = (&matter(one), &matter(other));
         let leans = meeting.slower_than(LEAN * self.rest_speed);
         let restitution = if self.wedged() { 0.0 } else { first.restitution.min(second.restitution) };
         if N::GRAVITY && self.wedged() && (first.is_fixed() || second.is_fixed()) {
@@ -160,9 +180,10 @@ impl Exact {
         let chatter_of = |slot, matter: &Matter| {
             if N::GRAVITY && matter.is_fixed() { 0.0 } else { self.chatter_speed(slot, now) }
         };
-        let chatter_speed = || chatter_of(one, first).max(chatter_of(other, second));
         let may_chatter = restitution < 1.0 && !self.wedged();
-        let e = if may_chatter && meeting.slower_than(chatter_speed()) { 1.0 } else { restitution };
+        let chatters = |slot, matter| may_chatter && meeting.slower_than(chatter_of(slot, matter));
+        let chatter = (chatters(one, first), chatters(other, second));
+        let e = if chatter.0 || chatter.1 { 1.0 } else { restitution };
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
         let (c1, c2) = if !N::GRAVITY || (rests1 | rests2) == 0 {
             let shares = if N::ALIKE { (0.5, 0.5) } else { shares(first.mass, second.mass) };
@@ -172,7 +193,9 @@ impl Exact {
         } else {
             self.hit_held(one, other, &self.hop(&meeting, restitution), (first, second), restitution)
         };
-        for (slot, position, velocity, change) in [(one, p1, v1, c1), (other, p2, v2, c2)] {
+        for (slot, position, velocity, change, chatters) in
+            [(one, p1, v1, c1, chatter.0), (other, p2, v2, c2, chatter.1)]
+        {
             let marks = &mut self.marks[slot];
             if N::GRAVITY {
                 // A ball that is given a speed across the wall it rests on flies again.
@@ -181,12 +204,20 @@ impl Exact {
                     .for_each(|axis| marks.set(Marks::rests_on(axis), false));
             }
             marks.set(Marks::HIT, true);
-            marks.set(Marks::LEANS, leans);
+            if !(N::GRAVITY && marks.has(Marks::HELD)) {
+                marks.set(Marks::LEANS, leans);
+                marks.note_chatter(chatters);
+            }
             self.set_out(slot, (position, velocity + change), now);
         }
         tally.impacts += 1;
         self.foresee::<N>(one, now);
         self.foresee::<N>(other, now);
+        for slot in [one, other] {
+            if self.marks[slot].chatter() == Marks::MOST_CHATTER {
+                self.settle::<N>(slot, now);
+            }
+        }
     }
 
     /// Lays a ball to rest that hits a fixed one, and others, endlessly at one time: it has no room between them, and

@@ -7,7 +7,8 @@
 //!
 //! - `flights`: what is known of a ball;
 //! - `foresee`: which event comes next for a ball, and the crossing of borders between cells;
-//! - `impacts`: what happens at an impact, and how balls come to rest;
+//! - `impacts`: what happens at an impact, and how balls come to rest on walls;
+//! - `settle`: how they come to rest on each other;
 //! - `cells`, `calendar`: where balls are, and the queue.
 
 mod calendar;
@@ -15,6 +16,7 @@ mod cells;
 mod flights;
 mod foresee;
 mod impacts;
+mod settle;
 
 use std::fmt::Debug;
 
@@ -70,6 +72,12 @@ pub(super) struct Exact {
     at_once: usize,
     /// Events taken since the caller's watch was looked at.
     unwatched: u32,
+    /// Events that may yet be spent on the search for groups at rest; below 0 it waits.
+    credit: i64,
+    /// For each slot its place in the group that is looked at.
+    found: Vec<u32>,
+    /// Which held balls lean on which fixed ones.
+    propped: Vec<(u32, u32)>,
 }
 
 /// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
@@ -88,6 +96,8 @@ const CHATTER_LENGTH: f64 = 1e-3;
 const LEAN: f64 = 8.0;
 /// The shortest and the longest year, s.
 const SPANS: (f64, f64) = (1.0 / (1_u64 << 58) as f64, 16.0);
+/// The most events that are saved up for the search for groups at rest.
+const MOST_CREDIT: i64 = 1024;
 /// Events between two looks at the caller's watch.
 const EVENTS_PER_LOOK: u32 = 256;
 
@@ -134,7 +144,7 @@ impl Exact {
             }),
             size: world.size,
             walls: world.walls,
-            rest_speed: rest_speed.min(most_rest_speed(gravity, smallest)),
+            rest_speed: counted_rest_speed(rest_speed, gravity, smallest),
             chatter_length: CHATTER_LENGTH * smallest,
             holds: gravity != DVec2::ZERO,
             ids: (0..balls.len() as u32).collect(),
@@ -152,6 +162,9 @@ impl Exact {
             instant: 0.0,
             at_once: 0,
             unwatched: 0,
+            credit: 0,
+            found: Vec::new(),
+            propped: Vec::new(),
         };
         if several && world.pairs.is_some() {
             let cells = Cells::new(world, &radii);
@@ -314,6 +327,7 @@ impl Exact {
             (self.instant, self.at_once) = (now, 0);
         }
         self.at_once += 1;
+        self.credit = (self.credit + 1).min(MOST_CREDIT);
         let flight = &self.flights[slot];
         if flight.event != now {
             return;
@@ -378,10 +392,13 @@ impl Exact {
             let (ball, marks) = (self.ids[slot] as usize, &mut self.marks[slot]);
             (frame.balls[ball].position, frame.balls[ball].velocity) =
                 if N::GRAVITY { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
-            let leans = marks.has(Marks::LEANS) && now - flight.time < lean;
+            let leans = marks.has(Marks::LEANS) && (marks.has(Marks::HELD) || now - flight.time < lean);
             let inside = self.overlaps.as_ref().is_some_and(|overlaps| !overlaps[slot].is_empty());
             frame.touching[ball] = leans || inside || marks.has(Marks::HIT);
             marks.set(Marks::HIT, false);
+        }
+        for &(_, prop) in &self.propped {
+            frame.touching[self.ids[prop as usize] as usize] = true;
         }
     }
 
@@ -401,10 +418,15 @@ impl Exact {
     }
 }
 
-/// The rest speed above which hops that are seen would be left out, px/s: they are as high as a hundredth of the smallest
-/// radius of a ball that moves. Where gravity is weak, or balls are tiny, it is less than what was asked for.
-fn most_rest_speed(gravity: DVec2, smallest: f64) -> f64 {
-    if gravity == DVec2::ZERO { f64::INFINITY } else { (2.0 * gravity.length() * 0.01 * smallest).sqrt() }
+/// The rest speed as it counts, px/s. It is meant for the demo's gravity; where gravity is stronger it is in proportion, so that
+/// hops are as long, and as many in a second. But hops are never seen: they are lower than a hundredth of the smallest radius
+/// of a ball that moves. Where gravity is weak, or balls are tiny, that is less than what was asked for.
+fn counted_rest_speed(asked: f64, gravity: DVec2, smallest: f64) -> f64 {
+    if gravity == DVec2::ZERO {
+        return asked;
+    }
+    let strength = gravity.length();
+    (asked * (strength / impacts::EARTH).max(1.0)).min((2.0 * strength * 0.01 * smallest).sqrt())
 }
 
 /// The length of the first year, s: about the time between two impacts of a ball.
