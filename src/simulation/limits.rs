@@ -48,7 +48,8 @@ pub const DELTA: Quantity = Quantity { name: "delta", unit: "s", low: 0.0, high:
 pub const REST_SPEED: Quantity = Quantity { name: "rest speed", unit: "px/s", low: 1e-9, high: 1e9 };
 
 /// The rest speed of a simulation that is not told otherwise, px/s. A hop that is left out is then half a thousandth of
-/// a pixel high under the demo's gravity.
+/// a pixel high under the demo's gravity. Where gravity is stronger, `exact` takes any rest speed for more in proportion, so that
+/// hops are as long, and as many in a second.
 pub const DEFAULT_REST_SPEED: f64 = 1.0;
 
 /// Substeps in a second, of the solver that takes any: from as few as a film has pictures.

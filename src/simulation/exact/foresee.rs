@@ -175,6 +175,7 @@ impl Exact {
                 velocity: their_velocity - velocity,
                 reach: radius + self.matter::<N>(other).radius,
                 own: velocity,
+                slow: self.rest_speed,
             }
         };
         let inside = |other: usize| N::DETECT && self.overlap(slot, other);
@@ -192,7 +193,8 @@ impl Exact {
             first.or(now + time, other, self.flights[other].impact);
         };
         cells.for_each_near::<N>(slot, flight.place, crossed, |other| {
-            if other == slot {
+            let held = |slot: usize| self.marks[slot].rests() == 3;
+            if other == slot || (N::GRAVITY && held(slot) && held(other)) {
             } else if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
                 // These cost most, and least where there is little time left: they come last.
                 if !accelerated.push(other) {

@@ -4,11 +4,16 @@
 //! rests on a wall that gravity presses it to when it would bounce off more slowly than the rest speed u; it slides on
 //! without friction, until an impact lifts it. Balls that hit each other more slowly than u, and within 2u/g of an
 //! impact before, lose nothing, and neither do faster ones that have moved less than a thousandth of 2u²/g since: the TC
-//! model of Luding & `McNamara` (1998), in time and in length.
+//! model of Luding & `McNamara` (1998), in time and in length. What chatters so for long is laid to rest by `settle`.
+//!
+//! Nothing is moved, overlaps or not. What overlaps and approaches has an impact now, and what overlaps and parts has none
+//! (Bannerman et al. 2014); what overlaps at rest, as where balls were put into each other, or a window shrank over a pile,
+//! has one now after which it parts, and where that costs work it comes from nowhere.
 
 use glam::DVec2;
 
 use crate::simulation::Tally;
+use crate::simulation::flight::{DEEP, Pair};
 use crate::simulation::impulse::{exact_impact, held_impact};
 
 use super::flights::{Marks, Matter};
@@ -44,6 +49,25 @@ impl Meeting {
         let closing = -self.velocity.dot(self.distance);
         closing <= 0.0 || closing * closing < speed * speed * self.distance.length_squared()
     }
+
+    /// The same meeting as it counts if they must part at `least`, px/s, whatever the restitution makes of their approach.
+    fn parting_at(&self, least: f64, e: f64) -> Self {
+        let Self { distance, velocity } = *self;
+        let length = distance.length().max(f64::MIN_POSITIVE);
+        let approach = -velocity.dot(distance) / length;
+        // The impact will change the velocity by (1 + e) times the approach.
+        let faster = (approach.max(0.0) + least) / (1.0 + e);
+        let velocity = if e * approach < least { distance * (-faster / length) } else { velocity };
+        Self { distance, velocity }
+    }
+}
+
+/// Where a ball is seen from another at the same point: in a direction of the pair's own, very near it.
+fn any_direction(one: usize, other: usize) -> DVec2 {
+    // A unit vector without sines, which differ from machine to machine; the golden ratio spreads them.
+    let golden = 0.618_033_988_749_894_9;
+    let t = 2.0 * (golden * (3 * one.min(other) + one.max(other)) as f64).fract() - 1.0;
+    1e-9 * DVec2::new(1.0 - t * t, 2.0 * t) / (1.0 + t * t)
 }
 
 /// The shares of two masses in a change of their relative velocity: each the other's over the sum.
@@ -156,7 +180,10 @@ impl Exact {
 
     pub(super) fn collide<N: Needs>(&mut self, tally: &mut Tally, one: usize, other: usize, now: f64) {
         let ((p1, v1), (p2, v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
-        let meeting = Meeting { distance: p1 - p2, velocity: v1 - v2 };
+        let mut meeting = Meeting { distance: p1 - p2, velocity: v1 - v2 };
+        if meeting.distance == DVec2::ZERO {
+            meeting.distance = any_direction(one, other);
+        }
         if N::GRAVITY && !meeting.slower_than(FIRM * self.rest_speed) {
             for slot in [one, other] {
                 if self.marks[slot].has(Marks::HELD) {
@@ -172,6 +199,7 @@ impl Exact {
         };
         let (first, second) = (&matter(one), &matter(other));
         let leans = meeting.slower_than(LEAN * self.rest_speed);
+        let least = self.least_parting(&meeting, first.radius + second.radius);
         let restitution = if self.wedged() { 0.0 } else { first.restitution.min(second.restitution) };
         if N::GRAVITY && self.wedged() && (first.is_fixed() || second.is_fixed()) {
             return self.hold::<N>(tally, one, other, now);
@@ -185,13 +213,18 @@ impl Exact {
         let chatter = (chatters(one, first), chatters(other, second));
         let e = if chatter.0 || chatter.1 { 1.0 } else { restitution };
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
-        let (c1, c2) = if !N::GRAVITY || (rests1 | rests2) == 0 {
-            let shares = if N::ALIKE { (0.5, 0.5) } else { shares(first.mass, second.mass) };
-            exact_impact(meeting.distance, meeting.velocity, shares, e)
-        } else if self.pulls[rests1] == self.pulls[rests2] {
+        let pressed = N::GRAVITY && self.pulls[rests1] != self.pulls[rests2];
+        let (meeting, e) = if pressed || least > 0.0 {
+            let hop = if pressed { self.least_hop(restitution) } else { 0.0 };
+            (meeting.parting_at(least.max(hop), restitution), restitution)
+        } else {
+            (meeting, e)
+        };
+        let (c1, c2) = if N::GRAVITY && (rests1 | rests2) != 0 {
             self.hit_held(one, other, &meeting, (first, second), e)
         } else {
-            self.hit_held(one, other, &self.hop(&meeting, restitution), (first, second), restitution)
+            let shares = if N::ALIKE { (0.5, 0.5) } else { shares(first.mass, second.mass) };
+            exact_impact(meeting.distance, meeting.velocity, shares, e)
         };
         for (slot, position, velocity, change, chatters) in
             [(one, p1, v1, c1, chatter.0), (other, p2, v2, c2, chatter.1)]
@@ -252,20 +285,20 @@ impl Exact {
         held_impact(distance, velocity, yields, e)
     }
 
-    /// A meeting of a ball with one that rests as it counts: so fast that they part by a hop at least, or gravity would
-    /// close the contact again at once, for ever.
-    fn hop(&self, meeting: &Meeting, e: f64) -> Meeting {
-        let Meeting { distance, velocity } = *meeting;
-        let least = LEAST_HOP * self.rest_speed * if e < 1.0 { 1.0 } else { CONSERVATIVE };
-        let length = distance.length().max(f64::MIN_POSITIVE);
-        let approach = -velocity.dot(distance) / length;
-        // The impact will change the velocity by (1 + e) times the approach.
-        let faster = (approach.max(0.0) + least) / (1.0 + e);
-        if e * approach < least {
-            Meeting { distance, velocity: distance * (-faster / length) }
-        } else {
-            Meeting { distance, velocity }
+    /// How fast a ball parts from one that rests at least, px/s, or gravity would close the contact again at once, for ever.
+    fn least_hop(&self, e: f64) -> f64 {
+        LEAST_HOP * self.rest_speed * if e < 1.0 { 1.0 } else { CONSERVATIVE }
+    }
+
+    /// How fast balls that overlap, and are at rest beside each other, part at least, px/s; 0 where they do not.
+    fn least_parting(&self, meeting: &Meeting, reach: f64) -> f64 {
+        // Nearly all only touch; no root is taken of them.
+        let touching = meeting.distance.length_squared() >= (1.0 - DEEP) * reach * reach;
+        if touching || !meeting.slower_than(self.rest_speed) {
+            return 0.0;
         }
+        let Meeting { distance, velocity } = *meeting;
+        Pair { distance, velocity, reach, own: DVec2::ZERO, slow: 0.0 }.least_parting()
     }
 
     /// Along which axes a ball can take a change of velocity: 0 where it would be pressed into the wall it rests on.

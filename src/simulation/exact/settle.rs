@@ -9,6 +9,8 @@
 
 use glam::DVec2;
 
+use crate::simulation::flight::DEEP;
+
 use super::flights::{Flight, Marks, Matter};
 use super::{Exact, LEAN, Needs};
 
@@ -31,8 +33,10 @@ const ROUNDS: usize = 12;
 /// Steps of conjugate gradients, over one contact, that are paid for with one event. They take about a hundredth of the
 /// time of that, so that the search for groups takes a third of all time at most.
 const STEPS_PER_EVENT: usize = 32;
-/// The depth of an overlap that is no rounding, as a part of the distance at which two balls touch.
-pub(super) const DEEP: f64 = 1e-7;
+/// So many times as much is paid for a search that finds nothing.
+const IN_VAIN: i64 = 4;
+/// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
+const FEW: usize = 32;
 /// No place in a group.
 const NONE: u32 = u32::MAX;
 
@@ -94,8 +98,12 @@ impl Exact {
             steps += group.balance(gravity);
             group.choose(gravity, self.rest_speed);
         }
-        self.credit -= (group.members.len() + steps * group.contacts.len() / STEPS_PER_EVENT) as i64;
-        for (&Member { slot, position, stays, .. }, &velocity) in group.members.iter().zip(&group.velocities) {
+        let cost = (group.members.len() + steps * group.contacts.len() / STEPS_PER_EVENT) as i64;
+        // Where nothing comes to rest, it is too early.
+        let in_vain = group.members.iter().all(|member| !member.stays);
+        self.credit -= if in_vain { IN_VAIN * cost } else { cost };
+        for (&Member { slot, position, stays, .. }, &velocity) in group.members.iter().zip(&group.velocities)
+        {
             let held = self.marks[slot].has(Marks::HELD);
             self.marks[slot].calm_down();
             if held && stays {
@@ -169,7 +177,7 @@ impl Exact {
                     group.touch(at, Support::Wall, DVec2::AXES[axis] * if high { -1.0 } else { 1.0 });
                 }
             }
-            let Some(cells) = &self.cells else { break };
+            let Some(cells) = self.cells.as_ref().filter(|_| !N::DETECT) else { break };
             cells.for_each_near::<N>(one, self.flights[one].place, None, |slot| {
                 // Those that were looked at before know of this one.
                 if slot == one || (found[slot] as usize) < at {
@@ -310,7 +318,8 @@ impl Group {
 
     /// Looks for forces that balance gravity. How many steps it took.
     fn balance(&mut self, gravity: f64) -> usize {
-        relieve(&mut self.pulls, &self.inverse_masses, &mut self.contacts, 0.1 * UNBALANCED * gravity)
+        let precision = if self.contacts.len() <= FEW { 1e-14 } else { 0.1 * UNBALANCED };
+        relieve(&mut self.pulls, &self.inverse_masses, &mut self.contacts, precision * gravity)
     }
 
     /// Chooses the members that stay: slow, in balance, and neither supported nor pressed by any but such as stay.
@@ -340,7 +349,9 @@ impl Group {
 /// Júdice & Vicente 1994). How many steps it took.
 fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
     let mut steps = 0;
-    contacts.iter_mut().for_each(|contact| contact.pushes = contact.parting(motions) <= 0.0);
+    for contact in &mut *contacts {
+        contact.pushes = contact.parting(motions) <= 0.0;
+    }
     for _ in 0..ROUNDS {
         contacts.sort_by_key(|contact| !contact.pushes);
         let pushing = contacts.partition_point(|contact| contact.pushes);

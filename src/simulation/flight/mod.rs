@@ -2,7 +2,8 @@
 //!
 //! Every time is seconds from now; [`NEVER`] says that it does not happen. Roots are written so that nearly equal
 //! numbers are never subtracted, and the rule for contact is that of Bannerman, Strobl, Formella and Pöschel (2014,
-//! arXiv:1211.6718): what overlaps and approaches meets now, what overlaps and parts does not meet.
+//! arXiv:1211.6718): what overlaps and approaches meets now, what overlaps and parts does not meet. Of what overlaps at
+//! rest they say nothing; here it meets now.
 
 mod accelerated;
 #[cfg(test)]
@@ -61,6 +62,14 @@ pub(super) fn arrive(distance: f64, velocity: f64) -> f64 {
 /// Rounding of the relative distance and velocity, as a fraction of the sizes they were computed from.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// The depth of an overlap that is no rounding, as a part of the distance at which two balls touch.
+pub(super) const DEEP: f64 = 1e-7;
+
+/// Balls that overlap at rest beside each other part so fast that they would be apart after the first, s, but not by more in
+/// a second than the other, in the distance at which they touch. Nothing in the law of impact says how fast: slower
+/// would hardly be seen as parting, and faster as an explosion.
+const APART: (f64, f64) = (0.02, 4.0);
+
 /// A speed beside which smaller ones are none, px/s: halving it on and on ends in numbers that cannot be halved.
 const SLOWEST: f64 = 1e-100;
 
@@ -75,6 +84,8 @@ pub(super) struct Pair {
     pub reach: f64,
     /// The velocity of the one, px/s: its size blurs the relative velocity.
     pub own: DVec2,
+    /// The speed of parting, px/s, below which balls that overlap are at rest.
+    pub slow: f64,
 }
 
 impl Pair {
@@ -82,13 +93,16 @@ impl Pair {
     ///
     /// The discriminant is w²s² − (d×w)² by Lagrange's identity: how far they pass each other by against how far they
     /// reach. So written, its rounding grows with the distance they come from; as b² − w²c, with the square of that.
+    ///
+    /// What overlaps and is at rest neither approaches nor parts, and would stay so for ever: it meets now, too.
     #[inline]
     pub(super) fn meet(&self) -> f64 {
         let b = self.distance.dot(self.velocity);
         let square = self.reach * self.reach;
         let c = self.distance.length_squared() - square;
         if c <= ROUNDING * square {
-            return if b < 0.0 && self.approaches(b) { 0.0 } else { NEVER };
+            let meets = if b < 0.0 { self.approaches(b) } else { self.stays_inside() };
+            return if meets { 0.0 } else { NEVER };
         }
         let across = self.distance.perp_dot(self.velocity);
         let discriminant = self.velocity.length_squared() * square - across * across;
@@ -114,6 +128,22 @@ impl Pair {
         if b < 0.0 { (root - b) / square } else { -c / (root + b) }
     }
 
+    /// How fast the two are to part at least, px/s, where they overlap and are at rest beside each other; 0 where they do
+    /// not overlap by more than rounding.
+    pub(super) fn least_parting(&self) -> f64 {
+        let depth = self.reach - self.distance.length();
+        if depth > DEEP * self.reach { (depth / APART.0).min(self.reach * APART.1) } else { 0.0 }
+    }
+
+    /// Whether they overlap, and part so slowly that it counts as rest.
+    #[cold]
+    fn stays_inside(&self) -> bool {
+        let length = self.distance.length();
+        let parting =
+            if length > 0.0 { self.distance.dot(self.velocity) / length } else { self.velocity.length() };
+        parting < self.slow.min(0.5 * self.least_parting())
+    }
+
     /// Whether the scalar product `b` of distance and velocity is an approach, not the rounding of none.
     fn approaches(&self, b: f64) -> bool {
         let speed = self.own.length() + (self.own + self.velocity).length() + SLOWEST;
@@ -128,7 +158,7 @@ mod tests {
     use super::*;
 
     fn pair(distance: DVec2, velocity: DVec2, reach: f64) -> Pair {
-        Pair { distance, velocity, reach, own: DVec2::ZERO }
+        Pair { distance, velocity, reach, own: DVec2::ZERO, slow: 1.0 }
     }
 
     #[test]
@@ -170,6 +200,22 @@ mod tests {
         assert_eq!((towards.meet(), apart.meet()), (0.0, NEVER));
         assert_eq!(towards.meet_accelerated(DVec2::Y, NEVER), 0.0);
         assert_eq!(apart.meet_accelerated(DVec2::X, NEVER), NEVER);
+    }
+
+    #[test]
+    fn what_overlaps_at_rest_meets_now_unless_it_parts_as_fast_as_its_depth_asks() {
+        let parting = |speed| pair(DVec2::new(9.0, 0.0), DVec2::new(speed, 0.0), 10.0);
+        // 1 px deep: 40 px/s, which is four times the distance at which they touch, and not 50.
+        assert_eq!(parting(0.0).least_parting(), 40.0);
+        assert_eq!((parting(0.0).meet(), parting(0.9).meet(), parting(1.1).meet()), (0.0, 0.0, NEVER));
+        // A thousandth of a pixel deep: 0.05 px/s, of which half is enough.
+        let shallow = |speed| pair(DVec2::new(9.999, 0.0), DVec2::new(speed, 0.0), 10.0);
+        assert_eq!((shallow(0.0).meet(), shallow(0.024).meet(), shallow(0.026).meet()), (0.0, 0.0, NEVER));
+        // What touches, up to rounding, does not overlap; at one point any speed is one of parting.
+        let touching = pair(DVec2::new(10.0 - 1e-9, 0.0), DVec2::ZERO, 10.0);
+        assert_eq!((touching.least_parting(), touching.meet()), (0.0, NEVER));
+        let at_one_point = |speed| pair(DVec2::ZERO, DVec2::new(0.0, speed), 10.0).meet();
+        assert_eq!((at_one_point(0.0), at_one_point(2.0)), (0.0, NEVER));
     }
 
     #[test]
@@ -266,6 +312,7 @@ mod tests {
                 velocity: DVec2::new(u, v),
                 reach: 10.0_f64.powf(power),
                 own: DVec2::new(own, 0.0),
+                slow: 1.0,
             };
             // The same pair where its edges touch, up to rounding.
             let touching = Pair { reach: pair.distance.length().max(1e-6), ..pair };
