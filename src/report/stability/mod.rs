@@ -177,18 +177,9 @@ mod tests {
         all_held_but(Solver::Contact, CONTACT_MISSES);
     }
 
-    /// Impacts without end where gravity is strong, in columns and where there is no room, and balls that overlap at relative
-    /// rest; three at once have no law.
-    const EXACT_MISSES: &[&str] = &[
-        "three-at-once",
-        "gravity-1e5",
-        "gravity-1e7",
-        "coincident",
-        "coincident-falling",
-        "column-100",
-        "jammed-row",
-        "shrinking-window",
-    ];
+    /// Three at once have no law; and a window that shrinks over a pile takes longer than a test may, in overlaps and
+    /// creeping, till all are apart and at rest.
+    const EXACT_MISSES: &[&str] = &["three-at-once", "shrinking-window"];
 
     /// Crowds under gravity in which all energy is taken or all is kept, strong gravity, and what is on the edge of its numbers.
     const CONTACT_MISSES: &[&str] = &[

@@ -1,0 +1,279 @@
+//! Where balls lie on each other, are pressed together or begin in each other: how `exact` lays them to rest, and what wakes
+//! them. Most of these cases once took events without end.
+
+use carom::simulation::grid::Grid;
+use carom::simulation::invariants::{
+    kinetic_energy, max_overlap, max_wall_overlap, momentum, non_finite, potential_energy,
+};
+use carom::{Ball, DVec2, Pairs, Simulation, Solver, World};
+
+const EARTH: f64 = 980.0;
+
+fn ball(x: f64, y: f64, radius: f64) -> Ball {
+    Ball::new(DVec2::new(x, y), radius).and_then(|ball| ball.with_restitution(0.5)).unwrap()
+}
+
+fn moving(ball: Ball, x: f64, y: f64) -> Ball {
+    ball.with_velocity(DVec2::new(x, y)).unwrap()
+}
+
+fn boxed(width: f64, height: f64, gravity: f64) -> World {
+    let world = World::new(DVec2::new(width, height)).unwrap().with_walls(0.5).unwrap();
+    world.with_gravity(DVec2::new(0.0, gravity)).unwrap().with_pairs(Pairs::Impulse)
+}
+
+fn exact(world: World, balls: Vec<Ball>) -> Simulation {
+    Simulation::new(world, balls, Solver::Exact).unwrap()
+}
+
+fn hits(simulation: &Simulation) -> u64 {
+    simulation.tally().impacts + simulation.tally().wall_hits
+}
+
+fn energy(simulation: &Simulation) -> f64 {
+    kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
+}
+
+fn overlap(simulation: &Simulation) -> f64 {
+    max_overlap(&mut Grid::new(simulation.balls(), simulation.world().size()), simulation.balls())
+}
+
+fn fastest(simulation: &Simulation) -> f64 {
+    simulation.balls().iter().map(|ball| ball.velocity().length()).fold(0.0, f64::max)
+}
+
+/// Balls of three sizes in rows, that fall.
+fn rows(count: u32, columns: u32) -> Vec<Ball> {
+    let place = |i: u32| {
+        let (column, row) = (f64::from(i % columns), f64::from(i / columns));
+        ball(14.0 + 25.0 * column + row, 20.0 + 26.0 * row, 9.0 + f64::from(i * 7 % 3))
+    };
+    (0..count).map(place).collect()
+}
+
+/// A column of balls of radius 3.5 that stands on the floor.
+fn column(count: u32) -> Simulation {
+    let height = 7.0 * f64::from(count) + 100.0;
+    let place = |k: u32| ball(200.0, height - 3.5 - 7.0 * f64::from(k), 3.5);
+    exact(boxed(400.0, height, EARTH), (0..count).map(place).collect())
+}
+
+#[test]
+fn a_column_of_any_height_stands_and_has_events_in_the_first_moment_alone() {
+    for count in [2, 20, 200, 2000] {
+        let mut column = column(count);
+        let top = column.balls()[count as usize - 1].position();
+        column.advance(0.1).unwrap();
+        let first = hits(&column);
+        assert!(first < 40 * u64::from(count), "{count} balls: {first} hits");
+        column.advance(100.0).unwrap();
+        assert_eq!((hits(&column), fastest(&column)), (first, 0.0), "{count} balls");
+        let sunk = column.balls()[count as usize - 1].position() - top;
+        assert!(sunk.length() < 1e-3, "{count} balls: {sunk}");
+    }
+}
+
+#[test]
+fn a_pile_comes_to_rest_for_good_and_shows_which_balls_touch() {
+    let mut pile = exact(boxed(130.0, 300.0, EARTH), rows(20, 5));
+    let start = energy(&pile);
+    pile.advance(10.0).unwrap();
+    let (settled, balls) = (hits(&pile), pile.balls().to_vec());
+    assert_eq!(fastest(&pile), 0.0);
+    assert!(energy(&pile) < start && overlap(&pile) < 1e-9);
+    for _ in 0..100 {
+        pile.advance(1.0 / 60.0).unwrap();
+        for (index, one) in balls.iter().enumerate() {
+            let gaps =
+                balls.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| {
+                    one.position().distance(other.position()) - one.radius() - other.radius()
+                });
+            let nearest = gaps.fold(f64::INFINITY, f64::min);
+            // Those that are nearly as near as held ones are may lean on each other or not.
+            if !(1e-5..0.1).contains(&nearest) {
+                assert_eq!(pile.touching()[index], nearest < 1e-5, "ball {index}, {nearest} px from others");
+            }
+        }
+    }
+    assert_eq!((hits(&pile), pile.balls()), (settled, &balls[..]));
+}
+
+#[test]
+fn a_pile_at_rest_is_the_same_to_the_last_bit_however_time_is_cut_into_frames() {
+    let pile = || exact(boxed(110.0, 300.0, EARTH), rows(12, 4));
+    let mut once = pile();
+    once.advance(6.0).unwrap();
+    for rate in [24_u32, 60, 144] {
+        let mut frames = pile();
+        for _ in 0..6 * rate {
+            frames.advance(1.0 / f64::from(rate)).unwrap();
+        }
+        assert_eq!(once.balls(), frames.balls(), "{rate} Hz");
+        assert_eq!(once.tally(), frames.tally(), "{rate} Hz");
+    }
+}
+
+#[test]
+fn what_lies_on_a_ball_that_is_knocked_away_falls() {
+    let mut column: Vec<Ball> = (0..5).map(|k| ball(300.0, 390.0 - 20.0 * f64::from(k), 10.0)).collect();
+    column.push(moving(ball(20.0, 390.0, 10.0), 100.0, 0.0));
+    let mut simulation = exact(boxed(600.0, 400.0, EARTH), column);
+    simulation.advance(1.0).unwrap();
+    // The column rests; what comes is still on its way.
+    assert_eq!(simulation.balls()[4].position().y, 310.0);
+    assert_eq!(simulation.balls()[4].velocity(), DVec2::ZERO);
+    simulation.advance(9.0).unwrap();
+    for ball in simulation.balls() {
+        assert!(ball.position().y > 330.0, "{ball:?}");
+    }
+    assert!(overlap(&simulation) < 1e-9);
+}
+
+#[test]
+fn a_ball_that_falls_on_a_pile_at_rest_moves_what_it_hits_and_adds_no_energy() {
+    let settled = {
+        let mut pile = exact(boxed(130.0, 300.0, EARTH), rows(15, 5));
+        pile.advance(10.0).unwrap();
+        assert_eq!(fastest(&pile), 0.0);
+        pile.balls().to_vec()
+    };
+    let mut pile = exact(boxed(130.0, 300.0, EARTH), settled.clone());
+    pile.advance(1.0).unwrap();
+    assert_eq!(fastest(&pile), 0.0);
+    pile.add(&[moving(ball(65.0, 20.0, 10.0).with_mass(20.0).unwrap(), 0.0, 500.0)]).unwrap();
+    let mass: f64 = pile.balls().iter().map(Ball::mass).sum();
+    let mut least = energy(&pile);
+    for _ in 0..600 {
+        pile.advance(1.0 / 60.0).unwrap();
+        let now = energy(&pile);
+        // Hops at half the rest speed.
+        assert!(now <= least + 0.125 * mass, "{least} rose to {now}");
+        least = least.min(now);
+        assert!(overlap(&pile) < 1e-9 && max_wall_overlap(pile.world(), pile.balls()) < 1e-9);
+    }
+    let moved = |(now, before): (&Ball, &Ball)| now.position().distance(before.position());
+    assert!(pile.balls().iter().zip(&settled).map(moved).fold(0.0, f64::max) > 1.0);
+    assert_eq!(fastest(&pile), 0.0);
+}
+
+#[test]
+fn balls_that_are_not_in_balance_slide_however_slowly_they_begin() {
+    // In the valley of two that nothing holds together, and on top of one, a hundredth of the radius off its middle.
+    let valley = vec![ball(390.0, 390.0, 10.0), ball(410.0, 390.0, 10.0), ball(400.0, 372.6, 10.0)];
+    let top = vec![ball(400.0, 390.0, 10.0), ball(400.1, 369.9, 10.0)];
+    for balls in [valley, top] {
+        let mut simulation = exact(boxed(800.0, 400.0, EARTH), balls);
+        simulation.advance(3.0).unwrap();
+        for ball in simulation.balls() {
+            assert!(ball.position().y > 389.9, "{ball:?}");
+        }
+    }
+}
+
+#[test]
+fn two_balls_at_rest_that_touch_do_not_bear_a_heavy_one_between_them() {
+    let mut balls = vec![ball(390.0, 390.0, 10.0), ball(410.0, 390.0, 10.0)];
+    balls.push(ball(400.0, 355.0, 10.0).with_mass(1e4).unwrap());
+    let mut simulation = exact(boxed(800.0, 400.0, EARTH), balls);
+    simulation.advance(5.0).unwrap();
+    for ball in simulation.balls() {
+        assert!(ball.position().y > 389.9, "{ball:?}");
+    }
+}
+
+#[test]
+fn however_strong_gravity_is_balls_settle_with_as_many_impacts() {
+    for gravity in [1e3, 1e4, 1e5, 1e6, 1e7, 1e9] {
+        let place = |index: u32| {
+            let (column, row) = (f64::from(index % 8), f64::from(index / 8));
+            let turn = 2.4 * f64::from(index);
+            moving(
+                ball(40.0 + 45.0 * column, 40.0 + 45.0 * row, 10.0),
+                150.0 * turn.cos(),
+                150.0 * turn.sin(),
+            )
+        };
+        let mut simulation = exact(boxed(600.0, 400.0, gravity), (0..30).map(place).collect());
+        let start = energy(&simulation);
+        for _ in 0..100 {
+            simulation.advance(0.03).unwrap();
+            assert!(energy(&simulation) <= start * (1.0 + 1e-12), "gravity {gravity}");
+            assert!(overlap(&simulation) < 1e-9, "gravity {gravity}");
+            assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9, "gravity {gravity}");
+        }
+        assert!(hits(&simulation) < 100_000, "gravity {gravity}: {:?}", simulation.tally());
+    }
+}
+
+#[test]
+fn a_row_without_room_falls_and_lies_on_the_floor() {
+    let place = |k: u32| {
+        moving(ball(10.0 + 20.0 * f64::from(k), 380.0, 10.0), 20.0 * (f64::from(k) * 2.4).sin(), 0.0)
+    };
+    let mut row = exact(boxed(400.0, 400.0, EARTH), (0..20).map(place).collect());
+    row.advance(3.0).unwrap();
+    assert!(hits(&row) < 20_000, "{:?}", row.tally());
+    assert!(fastest(&row) < 1e-9, "{}", fastest(&row));
+    for ball in row.balls() {
+        assert!((ball.position().y - 390.0).abs() < 1e-3, "{ball:?}");
+    }
+    assert!(overlap(&row) < 1e-9);
+}
+
+#[test]
+fn a_ball_driven_into_a_wedge_ends_no_run() {
+    // A gap between a fixed ball and the wall that is a little narrower than the ball that falls into it.
+    for narrow in [1e-1, 1e-3, 1e-6, 1e-9, 1e-12] {
+        for speed in [0.0, 500.0, 1e5] {
+            let peg = ball(20.0 * (1.0 - narrow) + 30.0, 200.0, 30.0).fixed();
+            let falling = moving(ball(10.5, 40.0, 10.0), 0.0, speed);
+            let mut simulation = exact(boxed(300.0, 400.0, EARTH), vec![peg, falling]);
+            simulation.advance(10.0).unwrap();
+            assert!(hits(&simulation) < 10_000, "{narrow} at {speed} px/s: {:?}", simulation.tally());
+            assert_eq!(non_finite(simulation.balls()), 0);
+            assert!(overlap(&simulation) < 1e-9, "{narrow} at {speed} px/s");
+        }
+    }
+}
+
+#[test]
+fn balls_at_rest_in_each_other_part_without_momentum_and_are_apart_soon() {
+    for count in [2, 3, 5] {
+        for gravity in [0.0, EARTH] {
+            let mut simulation = exact(boxed(400.0, 400.0, gravity), vec![ball(200.0, 200.0, 10.0); count]);
+            simulation.advance(0.25).unwrap();
+            let expected = DVec2::new(0.0, 0.25 * gravity * count as f64);
+            assert!((momentum(simulation.balls()) - expected).length() < 1e-9, "{count} balls");
+            simulation.advance(4.75).unwrap();
+            assert_eq!(overlap(&simulation), 0.0, "{count} balls, gravity {gravity}");
+            assert!(fastest(&simulation) < 100.0, "{count} balls, gravity {gravity}");
+        }
+    }
+}
+
+#[test]
+fn what_overlaps_and_approaches_is_turned_back_by_the_law_of_impact_and_what_parts_flies_on() {
+    for (speed, after) in [(-30.0, 15.0), (30.0, 30.0)] {
+        let balls =
+            vec![moving(ball(200.0, 200.0, 10.0), -speed, 0.0), moving(ball(215.0, 200.0, 10.0), speed, 0.0)];
+        let mut simulation = exact(boxed(400.0, 400.0, 0.0), balls);
+        simulation.advance(1.0 / 60.0).unwrap();
+        let velocities = [0, 1].map(|index| simulation.balls()[index].velocity().x);
+        assert_eq!(velocities, [-after, after], "{speed} px/s");
+        assert_eq!(simulation.tally().impacts, u64::from(speed < 0.0));
+    }
+}
+
+#[test]
+fn a_pile_in_a_window_that_shrinks_over_it_comes_to_rest_without_overlap() {
+    let mut simulation = exact(boxed(400.0, 300.0, EARTH), rows(15, 15));
+    simulation.advance(2.0).unwrap();
+    for narrower in 1..=30 {
+        simulation.resize(DVec2::new(400.0 - 10.0 * f64::from(narrower), 300.0)).unwrap();
+        simulation.advance(1.0 / 60.0).unwrap();
+    }
+    simulation.advance(8.0).unwrap();
+    assert_eq!(fastest(&simulation), 0.0);
+    assert!(overlap(&simulation) < 1e-9, "{}", overlap(&simulation));
+    assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+}
