@@ -277,3 +277,17 @@ fn a_pile_in_a_window_that_shrinks_over_it_comes_to_rest_without_overlap() {
     assert!(overlap(&simulation) < 1e-9, "{}", overlap(&simulation));
     assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
 }
+
+#[test]
+fn a_row_that_a_window_leaves_too_little_room_stays_in_it_and_ends_no_run() {
+    for width in [199.99, 190.0] {
+        let row = (0..10).map(|k| ball(10.0 + 20.0 * f64::from(k), 90.0, 10.0)).collect();
+        let mut simulation = exact(boxed(220.0, 100.0, EARTH), row);
+        simulation.advance(1.0).unwrap();
+        simulation.resize(DVec2::new(width, 100.0)).unwrap();
+        simulation.advance(10.0).unwrap();
+        assert!(hits(&simulation) < 20_000, "{width} px: {:?}", simulation.tally());
+        assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9, "{width} px");
+        assert_eq!(non_finite(simulation.balls()), 0);
+    }
+}

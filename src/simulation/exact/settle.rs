@@ -35,6 +35,8 @@ const ROUNDS: usize = 12;
 const STEPS_PER_EVENT: usize = 32;
 /// So many times as much is paid for a search that finds nothing.
 const IN_VAIN: i64 = 4;
+/// So many events at one time and more say that balls that overlap have no room to part.
+const STUCK: usize = 1000;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
 const FEW: usize = 32;
 /// No place in a group.
@@ -96,7 +98,7 @@ impl Exact {
         if self.gravity != DVec2::ZERO {
             let gravity = self.gravity.length();
             steps += group.balance(gravity);
-            group.choose(gravity, self.rest_speed);
+            group.choose(gravity, self.rest_speed, self.at_once > STUCK);
         }
         let cost = (group.members.len() + steps * group.contacts.len() / STEPS_PER_EVENT) as i64;
         // Where nothing comes to rest, it is too early.
@@ -207,9 +209,9 @@ impl Exact {
                     if place == NONE { Support::Immovable(slot) } else { Support::Member(place as usize) };
                 group.touch(at, against, normal);
                 if reach - length > DEEP * reach {
-                    group.members[at].deep |= !restless(one);
+                    group.members[at].deep = true;
                     if let Support::Member(other) = against {
-                        group.members[other].deep |= !restless(slot);
+                        group.members[other].deep = true;
                     }
                 }
             });
@@ -323,11 +325,13 @@ impl Group {
     }
 
     /// Chooses the members that stay: slow, in balance, and neither supported nor pressed by any but such as stay.
-    fn choose(&mut self, gravity: f64, rest_speed: f64) {
+    /// What overlaps is to part first, unless it is `stuck`: there is no room.
+    fn choose(&mut self, gravity: f64, rest_speed: f64, stuck: bool) {
         let Self { members, velocities, pulls, contacts, .. } = self;
         let enough = UNBALANCED * gravity;
         for ((member, velocity), pull) in members.iter_mut().zip(velocities).zip(&*pulls) {
-            member.stays = pull.length() <= enough && velocity.length() <= rest_speed && !member.deep;
+            let still = if member.deep { stuck } else { velocity.length() <= rest_speed };
+            member.stays = still && pull.length() <= enough;
         }
         let mut found = false;
         while !found {
