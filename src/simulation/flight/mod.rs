@@ -105,8 +105,7 @@ impl Pair {
         let square = self.reach * self.reach;
         let c = self.distance.length_squared() - square;
         if c <= ROUNDING * square {
-            let meets = if b < 0.0 { self.approaches(b) } else { self.stays_inside() };
-            return if meets { 0.0 } else { NEVER };
+            return self.meet_at_once(b);
         }
         let across = self.distance.perp_dot(self.velocity);
         let discriminant = self.velocity.length_squared() * square - across * across;
@@ -139,8 +138,14 @@ impl Pair {
         if depth > DEEP * self.reach { (depth / APART.0).min(self.reach * APART.1) } else { 0.0 }
     }
 
-    /// Whether they overlap, and part so slowly that it counts as rest.
+    /// When they meet, where they touch or overlap: now or never.
     #[cold]
+    fn meet_at_once(self, b: f64) -> f64 {
+        let meets = if b < 0.0 { self.approaches(b) } else { self.stays_inside() };
+        if meets { 0.0 } else { NEVER }
+    }
+
+    /// Whether they overlap, and part so slowly that it counts as rest.
     fn stays_inside(&self) -> bool {
         let length = self.distance.length();
         let parting =
