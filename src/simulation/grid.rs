@@ -138,9 +138,26 @@ impl Grid {
         pair: impl Fn(u32, u32) -> P,
     ) {
         self.sort_into_cells(discs);
+        self.collect_rows(0..self.rows, pairs, &pair);
+        self.compare_large(&mut |first, second| pairs.push(pair(first, second)));
+    }
+
+    /// How many rows of cells there are.
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Puts each pair that touches and of which the first is found in one of these rows into `pairs`, those that are too
+    /// large for the cells left out. The discs must have been sorted into the cells.
+    pub(super) fn collect_rows<P: Copy>(
+        &self,
+        rows: Range<usize>,
+        pairs: &mut Vec<P>,
+        pair: impl Fn(u32, u32) -> P,
+    ) {
         pairs.clear();
         let mut found = 0;
-        self.neighbours(&mut |ball: &Entry, others: &[Entry]| {
+        self.neighbours(rows, &mut |ball: &Entry, others: &[Entry]| {
             // Each is written, and the next writes over it where it did not touch: no branch that cannot be foreseen.
             pairs.resize(pairs.len().max(found + others.len()), pair(0, 0));
             for other in others {
@@ -149,7 +166,6 @@ impl Grid {
             }
         });
         pairs.truncate(found);
-        self.compare_large(&mut |first, second| pairs.push(pair(first, second)));
     }
 
     /// Whether the last search compared more discs that are too large for the cells than it has discs in cells.
@@ -212,16 +228,16 @@ impl Grid {
     /// Compares each ball in a cell with those after it there, and with those of the cells east, south-west, south
     /// and south-east: each pair of neighbouring cells is visited once.
     fn compare_neighbours(&self, contact: &mut impl FnMut(u32, u32)) {
-        self.neighbours(&mut |ball, others| compare(ball, others, contact));
+        self.neighbours(0..self.rows, &mut |ball, others| compare(ball, others, contact));
     }
 
-    /// Calls `visit` with each ball in a cell and those that it is to be compared with, in groups.
+    /// Calls `visit` with each ball in a cell of these rows and those that it is to be compared with, in groups.
     #[inline]
-    fn neighbours(&self, visit: &mut impl FnMut(&Entry, &[Entry])) {
+    fn neighbours(&self, among: Range<usize>, visit: &mut impl FnMut(&Entry, &[Entry])) {
         let Self { columns, rows, starts, sorted, .. } = self;
         let (last_column, last_row) = (*columns - 1, *rows - 1);
         let range = |first: usize, last: usize| starts[first] as usize..starts[last + 1] as usize;
-        for row in 0..*rows {
+        for row in among {
             let here = row * *columns;
             let south = if row == last_row { 0 } else { here + *columns };
             for column in 0..*columns {
@@ -256,7 +272,7 @@ impl Grid {
     }
 
     /// Compares each large ball with the cells that it reaches, and with the other large ones.
-    fn compare_large(&self, contact: &mut impl FnMut(u32, u32)) {
+    pub(super) fn compare_large(&self, contact: &mut impl FnMut(u32, u32)) {
         for (at, ball) in self.large.iter().enumerate() {
             compare(ball, &self.large[at + 1..], contact);
             self.reached(ball.position, ball.radius, |others| compare(ball, others, contact));

@@ -25,7 +25,7 @@ use canvas::Canvas;
 use contact::Contact;
 use exact::Exact;
 use grid::Grid;
-use limits::{DEFAULT_REST_SPEED, DELTA, MAX_BALLS, OutOfRange, REST_SPEED, SUBSTEPS};
+use limits::{DEFAULT_REST_SPEED, DELTA, MAX_BALLS, OutOfRange, REST_SPEED, SUBSTEPS, THREADS};
 pub use world::{Pairs, World};
 
 /// Balls, the world that they move in, and the solver that moves them.
@@ -61,6 +61,8 @@ struct Tuning {
     substeps: Option<u32>,
     /// Whether balls at rest may sleep.
     sleep: bool,
+    /// How many threads share the work of a substep.
+    threads: u32,
 }
 
 /// The ways of moving a simulation on.
@@ -150,6 +152,15 @@ struct Frame<'a> {
     tally: &'a mut Tally,
 }
 
+impl Tally {
+    /// Adds what has happened elsewhere.
+    fn add(&mut self, other: &Self) {
+        self.impacts += other.impacts;
+        self.wall_hits += other.wall_hits;
+        self.wall_impulse += other.wall_impulse;
+    }
+}
+
 impl Frame<'_> {
     /// Flags the balls that overlap; fixed ones, where there are any, do not notice each other. Flags are the same in any
     /// order, so no pair is kept.
@@ -172,7 +183,7 @@ impl Simulation {
     pub fn new(world: World, balls: Vec<Ball>, solver: Solver) -> Result<Self, BuildError> {
         check_fit(&world, &balls, 0)?;
         let touching = vec![false; balls.len()];
-        let tuning = Tuning { rest_speed: DEFAULT_REST_SPEED, substeps: None, sleep: true };
+        let tuning = Tuning { rest_speed: DEFAULT_REST_SPEED, substeps: None, sleep: true, threads: 1 };
         let engine = solver.engine(&world, &balls, tuning);
         let (time, tally) = (0.0, Tally::default());
         Ok(Self { world, balls, touching, solver, tuning, engine, time, tally })
@@ -223,6 +234,19 @@ impl Simulation {
         self.tuning.sleep = sleep;
         self.rebuild();
         self
+    }
+
+    /// The same simulation with so many threads for [`Solver::Contact`], the only solver that shares its work: it does
+    /// where there are some thousands of balls. The result is the same, to the bit, whatever the number. There is one
+    /// unless told otherwise, and always where carom is built without its feature `parallel`.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where the number is not in the range of [`limits::THREADS`].
+    pub fn with_threads(mut self, threads: u32) -> Result<Self, OutOfRange> {
+        THREADS.check(f64::from(threads))?;
+        self.tuning.threads = threads;
+        self.rebuild();
+        Ok(self)
     }
 
     /// The speed below which bouncing counts as rest, px/s.

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::find::{Beside, FEW, Hold, Home, Near, Pair, Reach, is_clear};
+use super::find::{FEW, Home, Near, Pair, Reach, in_cells, is_clear};
 use super::{Body, Setting};
 
 /// All pairs are searched anew where more than one in so many balls would have to be covered anew ...
@@ -14,9 +14,7 @@ impl Near {
     /// Covers all balls in a substep in which nothing hits them, if few are not covered yet. Whether that could be done.
     pub(super) fn keep_up(&mut self, bodies: &[Body], setting: &Setting) -> bool {
         let many = bodies.len() / MANY;
-        if self.homes.len() != bodies.len()
-            || self.moved.len() > many
-            || self.pairs.len() > self.found + self.found / MORE + FEW
+        if self.homes.len() != bodies.len() || self.moved.len() > many || self.added > self.found / MORE + FEW
         {
             return false;
         }
@@ -57,7 +55,7 @@ impl Near {
 
     /// Gives a ball another home, and links the pairs that it finds there.
     fn change_home(&mut self, at: usize, home: Home, bodies: &[Body], setting: &Setting) {
-        self.link_pairs(bodies.len());
+        self.link_pairs_of(at, bodies.len());
         if self.is_as_sorted(at, bodies) {
             self.moved.push(at as u32);
         }
@@ -65,32 +63,46 @@ impl Near {
         if self.seeks_pairs {
             self.find_more_pairs(at, bodies, setting);
         }
-        let beside_wall =
-            setting.walls.is_some() && !is_clear(home.position, bodies[at].radius + home.reach, setting.size);
-        if beside_wall && self.place_beside(at as u32).is_none() {
-            self.places_beside[at] = self.beside.len() as u32;
-            self.beside.push(Beside { body: at as u32, push: DVec2::ZERO });
+        if setting.walls.is_some() && !is_clear(home.position, bodies[at].radius + home.reach, setting.size) {
+            let number = self.layout.own_of(at);
+            let body = at - self.layout.start(number);
+            self.stripes[number].add_beside(body as u32, DVec2::ZERO);
+        }
+    }
+
+    /// Links the stripes of a ball, of so many in all, as far as they are not linked yet.
+    fn link_pairs_of(&mut self, at: usize, count: usize) {
+        for number in self.layout.of_body(at) {
+            self.stripes[number].link(self.layout.count(number, count));
         }
     }
 
     /// Whether a ball is covered as it was when balls were last sorted into cells.
     fn is_as_sorted(&self, at: usize, bodies: &[Body]) -> bool {
         let home = &self.homes[at];
-        let as_sorted =
-            |disc: &Reach| disc.centre == home.position && disc.radius == bodies[at].radius + home.reach;
+        let as_sorted = |disc: &Reach| {
+            disc.centre == in_cells(self.turned, home.position)
+                && disc.radius == bodies[at].radius + home.reach
+        };
         self.discs.get(at).is_some_and(as_sorted)
     }
 
     /// Adds the pairs of a ball that it does not have yet.
     fn find_more_pairs(&mut self, at: usize, bodies: &[Body], setting: &Setting) {
-        let Self { pairs, holds, held, idle, close, homes, grid, moved, links, known, .. } = self;
+        let place = in_cells(self.turned, self.homes[at].position);
+        let Self { layout, stripes, crossing, homes, grid, moved, known, added, .. } = self;
         known.begin(bodies.len());
-        for place in links.of(at as u32) {
-            known.add(pairs[place].first);
-            known.add(pairs[place].second);
+        for number in layout.of_body(at) {
+            let (stripe, start) = (&stripes[number], layout.start(number));
+            for place in stripe.links.of((at - start) as u32) {
+                let pair = stripe.pairs[place].from(start);
+                known.add(pair.first);
+                known.add(pair.second);
+            }
         }
         let (ball, home) = (&bodies[at], homes[at]);
         let up = -setting.kick;
+        let before = *added;
         let mut consider = |other: usize| {
             let (body, its) = (&bodies[other], &homes[other]);
             let reach = ball.radius + home.reach + body.radius + its.reach;
@@ -101,24 +113,27 @@ impl Near {
             }
             let upper = (ball.position - body.position).dot(up) >= 0.0;
             let (first, second) = if upper { (at, other) } else { (other, at) };
-            pairs.push(Pair { first: first as u32, second: second as u32 });
-            idle.push(give == 0.0);
-            close.push(true);
-            if setting.rests {
-                holds.push(Hold { mass: give.recip(), ..Hold::NONE });
-                held.push(false);
+            let number = layout.of_pair(first, second);
+            if number != layout.own_of(first) {
+                (crossing[first], crossing[second]) = (true, true);
             }
+            let start = layout.start(number);
+            let pair = Pair { first: (first - start) as u32, second: (second - start) as u32 };
+            stripes[number].add_pair(pair, give, setting.rests);
+            *added += 1;
         };
         match grid {
             Some((grid, _)) if bodies.len() > FEW => {
                 // The cells know the others as they were when they were sorted.
-                grid.for_each_near(home.position, ball.radius + home.reach, |other| consider(other as usize));
+                grid.for_each_near(place, ball.radius + home.reach, |other| consider(other as usize));
                 for &other in &*moved {
                     consider(other as usize);
                 }
             }
             _ => (0..bodies.len()).for_each(consider),
         }
-        links.link(pairs, bodies.len());
+        if *added > before {
+            self.link_pairs_of(at, bodies.len());
+        }
     }
 }

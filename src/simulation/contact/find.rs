@@ -3,11 +3,13 @@
 //! A search finds all pairs that can meet while no ball is farther than its *reach* from where it was then (its *home*;
 //! Verlet 1967). A search holds until a ball is about to go farther, so a pile at rest is searched once.
 
-use glam::DVec2;
+use glam::{DVec2, Vec2Swizzles};
 
 use super::super::grid::{Disc, Grid, touch};
-use super::order::{Heights, Kept, Known, Links};
+use super::order::{Kept, Known};
 use super::sleep::Rest;
+use super::stripes::{Layer, Layout, Stripe, Stripes, clear_all};
+use super::team::Team;
 use super::{Body, Setting};
 
 /// A ball may go so much of its radius, whatever its speed, before pairs are searched anew.
@@ -23,45 +25,42 @@ const SEARCHES_PER_ORDER: u32 = 16;
 /// Cells are made anew where discs have become larger or smaller than those that they were made for by this factor.
 const MISFIT: f64 = 1.25;
 
-/// The place of a ball that is not beside a wall.
-const NOWHERE: u32 = u32::MAX;
-
 /// What the last search found.
 #[derive(Debug, Default)]
 pub(super) struct Near {
-    /// Where there is gravity, the first is the upper one, and pairs stand in the order of its height, from the lowest up,
-    /// before those that were added since.
-    pub(super) pairs: Vec<Pair>,
-    /// For each pair; empty where nothing rests.
-    pub(super) holds: Vec<Hold>,
-    /// For each of these, whether they pressed on each other, or met, in the last substep.
-    pub(super) held: Vec<bool>,
-    /// For each pair, whether nothing moves either of its balls.
-    pub(super) idle: Vec<bool>,
-    /// For each pair, whether it may come close enough in this substep to be held apart.
-    pub(super) close: Vec<bool>,
-    /// Balls that may touch a wall.
-    pub(super) beside: Vec<Beside>,
-    /// For each ball its place among them, or [`NOWHERE`].
-    pub(super) places_beside: Vec<u32>,
+    pub(super) layout: Layout,
+    /// The pairs, and what is beside walls.
+    pub(super) stripes: Vec<Stripe>,
     pub(super) homes: Vec<Home>,
+    /// For each ball, whether it has pairs that do not belong to its stripe.
+    pub(super) crossing: Vec<bool>,
     /// Balls that were kept from going where they are not covered.
     pub(super) strays: Vec<u32>,
     /// Whether pairs are looked for.
     pub(super) seeks_pairs: bool,
-    /// How many pairs the search found; others were added since.
+    /// How many pairs the search found, and how many were added since.
     pub(super) found: usize,
+    pub(super) added: usize,
     /// Balls that were covered anew since the search.
     pub(super) moved: Vec<u32>,
     pub(super) discs: Vec<Reach>,
     pub(super) grid: Option<(Grid, f64)>,
+    /// Whether the axes of `discs` are swapped, so that rows of cells are columns of the world.
+    pub(super) turned: bool,
     /// The root mean square of all speeds at the search, px/s.
     usual: f64,
     searches: u32,
     kept: Kept,
-    heights: Heights,
-    pub(super) links: Links,
     pub(super) known: Known,
+    gathered: Vec<Gathered>,
+}
+
+/// The pairs that a part of the cells gave.
+#[derive(Debug, Default)]
+struct Gathered {
+    pairs: Vec<Pair>,
+    /// The same by the numbers of their stripes.
+    parted: Vec<Vec<Pair>>,
 }
 
 /// Two balls that may touch.
@@ -69,6 +68,14 @@ pub(super) struct Near {
 pub(super) struct Pair {
     pub(super) first: u32,
     pub(super) second: u32,
+}
+
+impl Pair {
+    /// The same pair where balls are counted from `start` balls before.
+    #[inline]
+    pub(super) fn from(self, start: usize) -> Self {
+        Self { first: self.first + start as u32, second: self.second + start as u32 }
+    }
 }
 
 /// How two balls hold each other.
@@ -158,85 +165,64 @@ pub(super) struct Cargo<'a> {
 
 impl Near {
     /// Searches anew.
-    pub(super) fn search(&mut self, mut cargo: Cargo<'_>, setting: &Setting, pairs: bool) {
-        if self.searches % SEARCHES_PER_ORDER == 1 {
-            self.put_in_order(&mut cargo);
-        }
+    pub(super) fn search(&mut self, mut cargo: Cargo<'_>, setting: &Setting, pairs: bool, team: &Team) {
+        let places =
+            if self.searches % SEARCHES_PER_ORDER == 1 { self.put_in_order(&mut cargo) } else { None };
         self.searches += 1;
         self.seeks_pairs = pairs;
         self.moved.clear();
         self.strays.clear();
-        self.links.clear();
         let bodies: &[Body] = cargo.bodies;
-        self.kept.take(&self.pairs, &self.holds, &self.beside, bodies.len());
-        self.find_homes(bodies, setting);
+        self.kept.take(self.layout, &self.stripes, places.as_deref(), bodies.len());
+        self.layout = Layout::of(bodies.len());
+        clear_all(&mut self.stripes, self.layout, bodies.len());
+        self.crossing.clear();
+        self.crossing.resize(bodies.len(), false);
+        self.find_homes(bodies, setting, team);
         if setting.walls.is_some() {
             self.find_walls(bodies, cargo.rests, setting);
         }
+        (self.found, self.added) = (0, 0);
         if pairs {
-            self.find_pairs(bodies, cargo.rests, setting);
-        }
-        self.found = self.pairs.len();
-    }
-
-    /// Finds the mass of a pair anew, and whether it is idle.
-    #[inline]
-    pub(super) fn weigh(&mut self, at: usize, bodies: &[Body]) {
-        let pair = self.pairs[at];
-        let give = bodies[pair.first as usize].inverse_mass + bodies[pair.second as usize].inverse_mass;
-        self.idle[at] = give == 0.0;
-        if let Some(hold) = self.holds.get_mut(at) {
-            hold.mass = give.recip();
+            self.find_pairs(bodies.len(), setting, team);
+            self.take_pairs(bodies, cargo.rests, setting, team);
         }
     }
 
-    /// The same for all pairs.
+    /// All stripes.
+    pub(super) fn all(&mut self) -> Stripes<'_> {
+        Stripes { layout: self.layout, list: &mut self.stripes }
+    }
+
+    /// Weighs all pairs anew.
     pub(super) fn weigh_all(&mut self, bodies: &[Body]) {
-        self.idle.resize(self.pairs.len(), false);
-        for at in 0..self.pairs.len() {
-            self.weigh(at, bodies);
+        for (number, stripe) in self.stripes.iter_mut().enumerate() {
+            stripe.weigh_all(&bodies[self.layout.start(number).min(bodies.len())..]);
         }
-    }
-
-    /// The same for all pairs of a ball, which must be linked.
-    pub(super) fn weigh_pairs_of(&mut self, body: u32, bodies: &[Body]) {
-        let mut link = self.links.last(body);
-        while let Some(at) = link {
-            self.weigh(at.pair(), bodies);
-            link = self.links.before(at);
-        }
-    }
-
-    /// What others and walls give a ball of this inverse mass in a substep. Its pairs must be linked.
-    pub(super) fn given(&self, body: u32, inverse_mass: f64) -> Given {
-        let mut given = Given { velocity: DVec2::ZERO, pressed: 0.0 };
-        for at in self.pairs_of(body) {
-            let hold = &self.holds[at];
-            let push = (hold.normal * hold.impulse + hold.grip) * inverse_mass;
-            given.velocity += if self.pairs[at].first == body { push } else { -push };
-            given.pressed += hold.impulse * inverse_mass;
-        }
-        if let Some(at) = self.place_beside(body) {
-            given.velocity += self.beside[at].push;
-            given.pressed += self.beside[at].push.length();
-        }
-        given
     }
 
     /// Links each of so many balls to its pairs, as far as they are not linked yet.
     pub(super) fn link_pairs(&mut self, count: usize) {
-        self.links.link(&self.pairs, count);
+        for (number, stripe) in self.stripes.iter_mut().enumerate() {
+            stripe.link(self.layout.count(number, count));
+        }
     }
 
-    /// The places of a ball's pairs, as far as they are linked.
-    #[inline]
-    pub(super) fn pairs_of(&self, body: u32) -> impl Iterator<Item = usize> {
-        self.links.of(body)
+    /// All pairs that hold each other, with the numbers of their balls.
+    pub(super) fn holding(&self) -> impl Iterator<Item = (usize, usize, &Hold)> {
+        self.stripes.iter().enumerate().flat_map(|(number, stripe)| {
+            let start = self.layout.start(number);
+            let held = stripe.pairs.iter().zip(&stripe.holds).filter(|(_, hold)| hold.impulse > 0.0);
+            held.map(move |(pair, hold)| (start + pair.first as usize, start + pair.second as usize, hold))
+        })
     }
 
-    /// The place of a ball among those beside walls, if it is one of them.
-    pub(super) fn place_beside(&self, body: u32) -> Option<usize> {
-        self.places_beside.get(body as usize).filter(|&&place| place != NOWHERE).map(|&place| place as usize)
+    /// All balls beside walls, with their numbers.
+    pub(super) fn beside(&self) -> impl Iterator<Item = (usize, &Beside)> {
+        self.stripes.iter().enumerate().flat_map(|(number, stripe)| {
+            let start = self.layout.start(number);
+            stripe.beside.iter().map(move |beside| (start + beside.body as usize, beside))
+        })
     }
 
     /// Gives balls anew what holds them: pairs that are not near any more hold nothing.
@@ -244,26 +230,40 @@ impl Near {
         for body in bodies.iter_mut() {
             body.velocity = body.free;
         }
-        for (pair, hold) in self.pairs.iter().zip(&self.holds) {
+        for (first, second, hold) in self.holding() {
             let push = hold.normal * hold.impulse + hold.grip;
-            let (first, second) = (pair.first as usize, pair.second as usize);
             bodies[first].velocity += push * bodies[first].inverse_mass;
             bodies[second].velocity -= push * bodies[second].inverse_mass;
         }
-        for beside in &self.beside {
-            let body = &mut bodies[beside.body as usize];
+        for (body, beside) in self.beside() {
+            let body = &mut bodies[body];
             if body.inverse_mass > 0.0 {
                 body.velocity += beside.push;
             }
         }
     }
 
-    fn find_homes(&mut self, bodies: &[Body], setting: &Setting) {
+    fn find_homes(&mut self, bodies: &[Body], setting: &Setting, team: &Team) {
         let squares: f64 = bodies.iter().map(|body| body.velocity.length_squared()).sum();
         self.usual = (squares / bodies.len() as f64).sqrt();
         let cover = self.cover(bodies.len(), setting);
-        self.homes.clear();
-        self.homes.extend(bodies.iter().map(cover));
+        // Stripes lie along what presses, so that few pairs that carry much lie across their edges.
+        let turned = self.layout.is_cut() && setting.kick.y.abs() > setting.kick.x.abs();
+        if turned != self.turned {
+            (self.turned, self.grid) = (turned, None);
+        }
+        let Self { layout, homes, discs, .. } = self;
+        homes.resize(bodies.len(), Home { position: DVec2::ZERO, reach: 0.0 });
+        discs.resize(bodies.len(), Reach { centre: DVec2::ZERO, radius: 0.0 });
+        let shares = layout.share_read(Layer::Own, bodies);
+        let shares = shares.zip(layout.share(Layer::Own, homes)).zip(layout.share(Layer::Own, discs));
+        team.each(shares, |((bodies, homes), discs)| {
+            for ((body, home), disc) in bodies.iter().zip(homes).zip(discs) {
+                *home = cover(body);
+                let centre = in_cells(turned, home.position);
+                *disc = Reach { centre, radius: body.radius + home.reach };
+            }
+        });
     }
 
     /// How each of so many balls is covered where it is now.
@@ -284,30 +284,22 @@ impl Near {
     }
 
     fn find_walls(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting) {
-        self.beside.clear();
-        self.places_beside.clear();
-        self.places_beside.resize(bodies.len(), NOWHERE);
         for (at, (body, home)) in bodies.iter().zip(&self.homes).enumerate() {
             let clear = is_clear(home.position, body.radius + home.reach, setting.size);
             if !clear && rests[at].weight > 0.0 {
-                self.places_beside[at] = self.beside.len() as u32;
-                self.beside.push(Beside { body: at as u32, push: self.kept.by_wall(at) });
+                let number = self.layout.own_of(at);
+                let own = (at - self.layout.start(number)) as u32;
+                self.stripes[number].add_beside(own, self.kept.by_wall(at));
             }
         }
     }
 
+    /// Finds the pairs of so many balls.
     #[inline]
-    fn find_pairs(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting) {
-        self.discs.clear();
-        self.discs.extend(
-            bodies
-                .iter()
-                .zip(&self.homes)
-                .map(|(body, home)| Reach { centre: home.position, radius: body.radius + home.reach }),
-        );
-        let Self { grid, pairs, holds, held, close, kept, heights, discs, .. } = self;
-        if discs.len() <= FEW {
-            pairs.clear();
+    fn find_pairs(&mut self, count: usize, setting: &Setting, team: &Team) {
+        let Self { layout, stripes, grid, discs, gathered, turned, .. } = self;
+        if count <= FEW {
+            let pairs = &mut stripes[0].pairs;
             for (i, one) in discs.iter().enumerate() {
                 for (j, other) in discs.iter().enumerate().skip(i + 1) {
                     if touch(one.centre, one.radius, other.centre, other.radius) {
@@ -315,56 +307,102 @@ impl Near {
                     }
                 }
             }
-        } else {
-            let sum: f64 = discs.iter().map(|disc| disc.radius).sum();
-            let suits =
-                |(grid, made): &(Grid, f64)| sum < MISFIT * made && sum > made / MISFIT && !grid.misfits();
-            let (grid, _) = match grid {
-                Some(grid) if suits(grid) => grid,
-                _ => grid.insert((Grid::for_discs(discs, setting.size), sum)),
-            };
-            grid.collect(discs, pairs, |first, second| Pair { first, second });
+            return;
         }
-        let fixed = |at: u32| rests[at as usize].weight == 0.0;
-        if rests.iter().any(|rest| rest.weight == 0.0) {
-            pairs.retain(|pair| !(fixed(pair.first) && fixed(pair.second)));
+        let sum: f64 = discs.iter().map(|disc| disc.radius).sum();
+        let suits =
+            |(grid, made): &(Grid, f64)| sum < MISFIT * made && sum > made / MISFIT && !grid.misfits();
+        let size = in_cells(*turned, setting.size);
+        let (grid, _) = match grid {
+            Some(grid) if suits(grid) => grid,
+            _ => grid.insert((Grid::for_discs(discs, size), sum)),
+        };
+        let pair = |first, second| Pair { first, second };
+        if !layout.is_cut() {
+            grid.collect(discs, &mut stripes[0].pairs, pair);
+            return;
         }
-        if setting.kick != DVec2::ZERO {
-            heights.sort(pairs, bodies, -setting.kick.normalize_or_zero());
+        grid.sort_into_cells(discs);
+        let (layout, grid) = (*layout, &*grid);
+        let pieces = layout.first_of(Layer::Seams);
+        let rows = grid.rows().div_ceil(pieces);
+        gathered.resize_with(pieces + 1, Gathered::default);
+        team.each(gathered.iter_mut().enumerate(), |(piece, Gathered { pairs, parted })| {
+            if piece < pieces {
+                let end = grid.rows().min((piece + 1) * rows);
+                grid.collect_rows(end.min(piece * rows)..end, pairs, pair);
+            } else {
+                pairs.clear();
+                grid.compare_large(&mut |first, second| pairs.push(pair(first, second)));
+            }
+            parted.resize_with(layout.len(), Vec::new);
+            parted.iter_mut().for_each(Vec::clear);
+            for pair in pairs {
+                let number = layout.of_pair(pair.first as usize, pair.second as usize);
+                let start = layout.start(number) as u32;
+                parted[number].push(Pair { first: pair.first - start, second: pair.second - start });
+            }
+        });
+    }
+
+    /// Gives the stripes the pairs that were found, in their order, with what is known of them.
+    fn take_pairs(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting, team: &Team) {
+        let Self { layout, stripes, gathered, kept, crossing, .. } = self;
+        let (layout, gathered, kept) = (*layout, &*gathered, &*kept);
+        let any_fixed = rests.iter().any(|rest| rest.weight == 0.0);
+        team.each(stripes.iter_mut().enumerate(), |(number, stripe)| {
+            let start = layout.start(number).min(bodies.len());
+            let bodies = &bodies[start..start + layout.count(number, bodies.len())];
+            let Stripe { pairs, holds, held, close, heights, .. } = &mut *stripe;
+            if layout.is_cut() {
+                gathered.iter().for_each(|gathered| pairs.extend_from_slice(&gathered.parted[number]));
+            }
+            if any_fixed {
+                let fixed = |at: u32| rests[start + at as usize].weight == 0.0;
+                pairs.retain(|pair| !(fixed(pair.first) && fixed(pair.second)));
+            }
+            if setting.kick != DVec2::ZERO && !pairs.is_empty() {
+                heights.sort(pairs, bodies, -setting.kick.normalize_or_zero());
+            }
+            close.resize(pairs.len(), true);
+            if setting.rests {
+                holds.extend(pairs.iter().map(|pair| kept.by_ball(pair.from(start)).unwrap_or(Hold::NONE)));
+                held.extend(holds.iter().map(|hold| hold.impulse > 0.0));
+            }
+            stripe.weigh_all(bodies);
+        });
+        self.found = stripes.iter().map(|stripe| stripe.pairs.len()).sum();
+        for number in layout.first_of(Layer::Seams)..stripes.len() {
+            let start = layout.start(number);
+            for pair in &stripes[number].pairs {
+                let pair = pair.from(start);
+                (crossing[pair.first as usize], crossing[pair.second as usize]) = (true, true);
+            }
         }
-        close.clear();
-        close.resize(pairs.len(), true);
-        if setting.rests {
-            holds.clear();
-            holds.extend(pairs.iter().map(|pair| kept.by_ball(*pair).unwrap_or(Hold::NONE)));
-            held.clear();
-            held.extend(holds.iter().map(|hold| hold.impulse > 0.0));
-        }
-        self.weigh_all(bodies);
     }
 
     /// Puts the balls in the order in which the last search found them in the cells: neighbours in space are neighbours
-    /// in memory then.
+    /// in memory then. The places that they have now, if that could be done.
     #[inline]
-    fn put_in_order(&mut self, cargo: &mut Cargo<'_>) {
-        let Some((grid, _)) = &self.grid else { return };
+    fn put_in_order(&mut self, cargo: &mut Cargo<'_>) -> Option<Vec<u32>> {
+        let (grid, _) = self.grid.as_ref()?;
         let order: Vec<u32> = grid.order().collect();
         if order.len() != cargo.bodies.len() {
             // Balls were added since.
-            return;
+            return None;
         }
-        let mut place = vec![0; order.len()];
+        let mut places = vec![0; order.len()];
         for (at, &was) in (0..).zip(&order) {
-            place[was as usize] = at;
+            places[was as usize] = at;
         }
         cargo.permute(&order);
-        for pair in &mut self.pairs {
-            (pair.first, pair.second) = (place[pair.first as usize], place[pair.second as usize]);
-        }
-        for beside in &mut self.beside {
-            beside.body = place[beside.body as usize];
-        }
+        Some(places)
     }
+}
+
+/// A place in the coordinates of the cells.
+pub(super) fn in_cells(turned: bool, place: DVec2) -> DVec2 {
+    if turned { place.yx() } else { place }
 }
 
 /// Whether a disc lies clear of all walls.

@@ -11,10 +11,12 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::find::{FEW, Pair};
-use super::meeting::{Approach, Stage};
+use super::find::FEW;
+use super::meeting::{Approach, Meeting, exchange};
+use super::sleep::Rest;
+use super::stripes::Stripes;
 use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
-use super::{Body, Contact, SHIFT, Setting, Tally};
+use super::{Body, SHIFT, Setting, Tally};
 
 /// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
 const MOST: u32 = 8;
@@ -25,35 +27,58 @@ const MOST_FAST: u32 = 256;
 /// A ball that goes farther in a substep than so many times its radius is fast.
 const FAST: f64 = 1.0;
 
-/// What is known of the bodies' impacts in a substep.
-#[derive(Debug, Default)]
-pub(super) struct Course {
-    /// When each body was last hit, s after the substep's beginning, and how often it was.
-    times: Vec<f64>,
-    hits: Vec<u32>,
-    /// Bodies too slow to hit firmly those that they press on.
-    slow: Vec<bool>,
-    /// Bodies that are fast, and whether there are any.
-    fast: Vec<bool>,
-    any_fast: bool,
-    /// How often a body may be hit that is not.
+/// What impacts act on: all bodies, or those of one stripe.
+pub(super) struct Stage<'a> {
+    pub(super) setting: &'a Setting,
+    pub(super) bodies: &'a mut [Body],
+    pub(super) fates: &'a mut [Fate],
+    pub(super) restitutions: &'a [f64],
+    pub(super) rests: &'a mut [Rest],
+    pub(super) hit: &'a mut [bool],
+    pub(super) tally: &'a mut Tally,
+    /// Impacts that are foreseen.
+    pub(super) queue: &'a mut BinaryHeap<Event>,
+    pub(super) limits: Limits,
+}
+
+/// Where a pair stands, or a ball beside a wall: the number of its stripe, and its place there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Spot {
+    pub(super) stripe: u32,
+    pub(super) at: u32,
+}
+
+/// What is known of a body's impacts in a substep.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Fate {
+    /// When it was last hit, s after the substep's beginning, and how often it was.
+    pub(super) time: f64,
+    pub(super) hits: u32,
+    /// Whether it is too slow to hit firmly those that it presses on.
+    slow: bool,
+    pub(super) fast: bool,
+    /// Whether it was hit after the substep's beginning: until its end it stands where it would have come from.
+    pub(super) shifted: bool,
+    /// The same if it is fast, or was hit by a fast one: that is far away.
+    pub(super) far: bool,
+}
+
+/// How often bodies may be hit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// How often a body may be that is not fast.
     most: u32,
     /// Whether a fast one was hit so often that the substep ends for all of them.
-    exhausted: bool,
+    pub(super) exhausted: bool,
     /// Whether it has.
-    ended: bool,
-    /// Bodies that were hit after the substep's beginning: until its end they stand where they would have come from.
-    pub(super) shifted: Vec<bool>,
-    /// The same for those that are fast, or were hit by a fast one: that is far away.
-    pub(super) far: Vec<bool>,
-    queue: BinaryHeap<Event>,
+    pub(super) ended: bool,
 }
 
 /// An impact that is foreseen, while both bodies have been hit so often.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Event {
+pub(super) struct Event {
     /// s after the substep's beginning.
-    time: f64,
+    pub(super) time: f64,
     what: What,
     hits: (u32, u32),
 }
@@ -61,11 +86,11 @@ struct Event {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum What {
     /// The ball at this place beside the walls reaches one.
-    Wall(u32),
+    Wall(Spot),
     /// This fast body meets a wall across this axis.
     FastWall(u32, u8),
     /// The pair of this place meets.
-    Pair(u32),
+    Pair(Spot),
 }
 
 impl Eq for Event {}
@@ -83,204 +108,233 @@ impl PartialOrd for Event {
     }
 }
 
-impl Contact {
-    /// All impacts of a substep.
-    pub(super) fn impacts(&mut self, tally: &mut Tally) {
-        let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, .. } = self else {
-            return;
+impl Event {
+    /// The same, foreseen by the stripe of this number as if it were all there is.
+    pub(super) fn of_stripe(self, number: usize) -> Self {
+        let spot = |spot: Spot| Spot { stripe: number as u32, ..spot };
+        let what = match self.what {
+            What::Wall(at) => What::Wall(spot(at)),
+            What::Pair(at) => What::Pair(spot(at)),
+            What::FastWall(..) => self.what,
         };
-        if near.pairs.is_empty() && near.beside.is_empty() {
+        Self { what, ..self }
+    }
+}
+
+impl Limits {
+    /// Those of so many bodies.
+    pub(super) fn of(count: usize) -> Self {
+        let most = if count <= FEW { MOST_OF_FEW } else { MOST };
+        Self { most, exhausted: false, ended: false }
+    }
+}
+
+impl Stage<'_> {
+    /// Begins a substep. Whether any body is fast.
+    pub(super) fn begin(&mut self) -> bool {
+        let firm = 0.25 * self.setting.firm * self.setting.firm;
+        let mut any_fast = false;
+        for (fate, body) in self.fates.iter_mut().zip(&*self.bodies) {
+            let (slow, fast) = (body.velocity.length_squared() < firm, is_fast(self.setting, body));
+            *fate = Fate { slow, fast, ..Fate::default() };
+            any_fast |= fast;
+        }
+        self.queue.clear();
+        any_fast
+    }
+
+    /// Foresees the impacts of a stripe from the substep's beginning.
+    #[inline]
+    pub(super) fn foresee_all(&mut self, number: usize, stripes: &mut Stripes<'_>) {
+        for at in 0..stripes.list[number].beside.len() {
+            self.foresee_wall(Spot { stripe: number as u32, at: at as u32 }, stripes);
+        }
+        for at in 0..stripes.list[number].pairs.len() {
+            self.foresee_pair(Spot { stripe: number as u32, at: at as u32 }, stripes);
+        }
+    }
+
+    /// Foresees the impacts of a body that was hit. Its pairs must be linked.
+    pub(super) fn foresee(&mut self, body: usize, stripes: &mut Stripes<'_>) {
+        let layout = stripes.layout;
+        if self.fates[body].fast {
+            self.foresee_fast_wall(body);
+        } else if self.fates[body].hits < self.limits.most {
+            let number = layout.own_of(body);
+            let own = (body - layout.start(number)) as u32;
+            if let Some(at) = stripes.list[number].place_beside(own) {
+                self.foresee_wall(Spot { stripe: number as u32, at: at as u32 }, stripes);
+            }
+        }
+        for number in layout.of_body(body) {
+            let own = (body - layout.start(number)) as u32;
+            let mut link = stripes.list[number].links.last(own);
+            while let Some(at) = link {
+                self.foresee_pair(Spot { stripe: number as u32, at: at.pair() as u32 }, stripes);
+                link = stripes.list[number].links.before(at);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn foresee_wall(&mut self, spot: Spot, stripes: &Stripes<'_>) {
+        let body = beside(spot, stripes);
+        let fate = self.fates[body];
+        if !fate.fast
+            && self.bodies[body].inverse_mass > 0.0
+            && let Some(time) = reaches_wall(self.setting, &self.bodies[body])
+        {
+            self.queue.push(Event {
+                time: time.max(fate.time),
+                what: What::Wall(spot),
+                hits: (fate.hits, 0),
+            });
+        }
+    }
+
+    #[inline]
+    pub(super) fn foresee_fast_wall(&mut self, body: usize) {
+        let fate = self.fates[body];
+        if fate.fast
+            && !self.limits.ended
+            && let Some((time, axis)) = first_wall(self.setting, &self.bodies[body], fate.time)
+        {
+            let what = What::FastWall(body as u32, axis as u8);
+            self.queue.push(Event { time, what, hits: (fate.hits, 0) });
+        }
+    }
+
+    #[inline]
+    fn foresee_pair(&mut self, spot: Spot, stripes: &mut Stripes<'_>) {
+        let (start, at) = (stripes.layout.start(spot.stripe as usize), spot.at as usize);
+        let stripe = &mut stripes.list[spot.stripe as usize];
+        let pair = stripe.pairs[at];
+        let (i, j) = (start + pair.first as usize, start + pair.second as usize);
+        let (first, second) = (&self.fates[i], &self.fates[j]);
+        if stripe.idle[at] || (stripe.held.get(at) == Some(&true) && first.slow && second.slow) {
+            stripe.close[at] = true;
             return;
         }
-        let stage = &mut Stage { setting, bodies, restitutions, near, rests, hit, tally };
-        course.begin(stage);
-        course.foresee_all(stage);
-        if !course.queue.is_empty() {
-            stage.near.link_pairs(stage.bodies.len());
+        let approach = Approach::of(self.setting, &self.bodies[i], &self.bodies[j]);
+        stripe.close[at] = approach.closes_in;
+        let fast = first.fast || second.fast;
+        let enough = if fast { self.limits.ended } else { first.hits.max(second.hits) >= self.limits.most };
+        if approach.may_meet
+            && !enough
+            && let Some(meeting) = self.meeting((i, j), stripe.held.get(at) == Some(&true))
+        {
+            let hits = (self.fates[i].hits, self.fates[j].hits);
+            self.queue.push(Event { time: meeting.time, what: What::Pair(spot), hits });
         }
-        while let Some(event) = course.queue.pop() {
-            if course.exhausted && !course.ended {
-                course.end_fast(stage, event.time);
+    }
+
+    /// Whether, and how, two bodies meet in this substep after both were hit.
+    fn meeting(&self, (i, j): (usize, usize), held: bool) -> Option<Meeting> {
+        let since = self.fates[i].time.max(self.fates[j].time);
+        Meeting::of(self.setting, &self.bodies[i], &self.bodies[j], held, since)
+    }
+
+    /// The bodies of an impact that is foreseen.
+    pub(super) fn bodies_of(event: &Event, stripes: &Stripes<'_>) -> [Option<usize>; 2] {
+        match event.what {
+            What::Pair(spot) => {
+                let (first, second) = pair(spot, stripes);
+                [Some(first), Some(second)]
             }
-            course.take(event, stage);
+            What::Wall(spot) => [Some(beside(spot, stripes)), None],
+            What::FastWall(body, _) => [Some(body as usize), None],
+        }
+    }
+
+    /// Whether neither of an impact's bodies was hit since it was foreseen.
+    pub(super) fn still_holds(&self, event: &Event, [first, second]: [Option<usize>; 2]) -> bool {
+        let hits = |body: Option<usize>| body.map_or(0, |body| self.fates[body].hits);
+        event.hits == (hits(first), hits(second))
+    }
+
+    /// Takes an impact of bodies that were not hit since it was foreseen. Those that were hit.
+    pub(super) fn take(&mut self, event: &Event, stripes: &mut Stripes<'_>) -> [Option<usize>; 2] {
+        match event.what {
+            What::Pair(spot) => {
+                let (i, j) = pair(spot, stripes);
+                let fast = self.fates[i].fast || self.fates[j].fast;
+                if fast && self.limits.ended {
+                    return [None; 2];
+                }
+                let held = stripes.list[spot.stripe as usize].held.get(spot.at as usize) == Some(&true);
+                let Some(meeting) = self.meeting((i, j), held) else { return [None; 2] };
+                exchange(self, stripes, spot, (i, j), &meeting);
+                // A fixed ball goes on as it was: all that is foreseen of it still holds.
+                let moved = [i, j].map(|body| (self.bodies[body].inverse_mass > 0.0).then_some(body));
+                for body in moved.into_iter().flatten() {
+                    let fate = &mut self.fates[body];
+                    fate.shifted |= meeting.time * meeting.speed > SHIFT * self.bodies[body].radius;
+                    fate.slow = false;
+                    self.note(body, event.time);
+                    self.fates[body].far |= fast;
+                }
+                moved
+            }
+            What::Wall(spot) => {
+                let beside = stripes.list[spot.stripe as usize].beside[spot.at as usize];
+                let body = stripes.layout.start(spot.stripe as usize) + beside.body as usize;
+                let Some(met) = meet_walls(self.setting, &mut self.bodies[body], &beside, self.tally) else {
+                    return [None; 2];
+                };
+                self.fates[body].shifted |= met.shifts;
+                let time = met.time.max(self.fates[body].time);
+                self.note(body, time);
+                [Some(body), None]
+            }
+            What::FastWall(body, axis) => {
+                let body = body as usize;
+                if self.limits.ended {
+                    return [None; 2];
+                }
+                bounce_off(self.setting, &mut self.bodies[body], usize::from(axis), event.time, self.tally);
+                self.note(body, event.time);
+                [Some(body), None]
+            }
+        }
+    }
+
+    /// Notes that a body was hit.
+    fn note(&mut self, at: usize, time: f64) {
+        let Self { setting, bodies, fates, limits, .. } = self;
+        let fate = &mut fates[at];
+        fate.hits += 1;
+        fate.time = time;
+        fate.far |= fate.fast;
+        fate.fast = is_fast(setting, &bodies[at]);
+        fate.far |= fate.fast;
+        if fate.fast && limits.ended {
+            end(setting, &mut bodies[at], time);
+        }
+        limits.exhausted |= fate.fast && fate.hits >= MOST_FAST;
+    }
+
+    /// Ends the substep at `time` for all fast balls.
+    pub(super) fn end_fast(&mut self, time: f64) {
+        self.limits.ended = true;
+        for (body, _) in self.bodies.iter_mut().zip(&*self.fates).filter(|(_, fate)| fate.fast) {
+            end(self.setting, body, time);
         }
     }
 }
 
-impl Course {
-    /// Whether a body was hit in the last substep.
-    pub(super) fn was_hit(&self, body: usize) -> bool {
-        self.hits.get(body).is_some_and(|&hits| hits > 0)
-    }
+/// The bodies of a pair.
+#[inline]
+fn pair(spot: Spot, stripes: &Stripes<'_>) -> (usize, usize) {
+    let pair = stripes.list[spot.stripe as usize].pairs[spot.at as usize];
+    let start = stripes.layout.start(spot.stripe as usize);
+    (start + pair.first as usize, start + pair.second as usize)
+}
 
-    fn begin(&mut self, stage: &Stage<'_>) {
-        let Stage { setting, bodies, .. } = stage;
-        let Self { times, hits, slow, fast, shifted, far, .. } = self;
-        times.clear();
-        times.resize(bodies.len(), 0.0);
-        hits.clear();
-        hits.resize(bodies.len(), 0);
-        for flags in [&mut *shifted, far] {
-            flags.clear();
-            flags.resize(bodies.len(), false);
-        }
-        let firm = 0.25 * setting.firm * setting.firm;
-        slow.clear();
-        slow.extend(bodies.iter().map(|body| body.velocity.length_squared() < firm));
-        fast.clear();
-        fast.extend(bodies.iter().map(|body| is_fast(setting, body)));
-        self.any_fast = fast.contains(&true);
-        self.most = if bodies.len() <= FEW { MOST_OF_FEW } else { MOST };
-        (self.exhausted, self.ended) = (false, false);
-        self.queue.clear();
-    }
-
-    /// Foresees impacts from the substep's beginning.
-    #[inline]
-    fn foresee_all(&mut self, stage: &mut Stage<'_>) {
-        for at in 0..stage.near.beside.len() {
-            self.foresee_wall(stage, at);
-        }
-        if self.any_fast {
-            for body in 0..stage.bodies.len() {
-                self.foresee_fast_wall(stage, body);
-            }
-        }
-        for at in 0..stage.near.pairs.len() {
-            self.foresee_pair(stage, at);
-        }
-    }
-
-    /// Foresees the impacts of a body that was hit.
-    fn foresee(&mut self, stage: &mut Stage<'_>, body: usize) {
-        if self.fast[body] {
-            self.foresee_fast_wall(stage, body);
-        } else if self.hits[body] < self.most
-            && let Some(at) = stage.near.place_beside(body as u32)
-        {
-            self.foresee_wall(stage, at);
-        }
-        let mut link = stage.near.links.last(body as u32);
-        while let Some(at) = link {
-            self.foresee_pair(stage, at.pair());
-            link = stage.near.links.before(at);
-        }
-    }
-
-    #[inline]
-    fn foresee_wall(&mut self, stage: &Stage<'_>, at: usize) {
-        let body = stage.near.beside[at].body as usize;
-        if !self.fast[body]
-            && stage.bodies[body].inverse_mass > 0.0
-            && let Some(time) = reaches_wall(stage.setting, &stage.bodies[body])
-        {
-            let (time, hits) = (time.max(self.times[body]), (self.hits[body], 0));
-            self.queue.push(Event { time, what: What::Wall(at as u32), hits });
-        }
-    }
-
-    #[inline]
-    fn foresee_fast_wall(&mut self, stage: &Stage<'_>, body: usize) {
-        if self.fast[body]
-            && !self.ended
-            && let Some((time, axis)) = first_wall(stage.setting, &stage.bodies[body], self.times[body])
-        {
-            let hits = (self.hits[body], 0);
-            self.queue.push(Event { time, what: What::FastWall(body as u32, axis as u8), hits });
-        }
-    }
-
-    #[inline]
-    fn foresee_pair(&mut self, stage: &mut Stage<'_>, at: usize) {
-        let Stage { setting, bodies, near, .. } = stage;
-        let Pair { first, second } = near.pairs[at];
-        let (i, j) = (first as usize, second as usize);
-        if near.idle[at] || (near.held.get(at) == Some(&true) && self.slow[i] && self.slow[j]) {
-            near.close[at] = true;
-            return;
-        }
-        let approach = Approach::of(setting, &bodies[i], &bodies[j]);
-        near.close[at] = approach.closes_in;
-        let fast = self.fast[i] || self.fast[j];
-        let enough = if fast { self.ended } else { self.hits[i].max(self.hits[j]) >= self.most };
-        if approach.may_meet
-            && !enough
-            && let Some(meeting) = stage.meeting(at as u32, self.times[i].max(self.times[j]))
-        {
-            let hits = (self.hits[i], self.hits[j]);
-            self.queue.push(Event { time: meeting.time, what: What::Pair(at as u32), hits });
-        }
-    }
-
-    /// Takes an impact, if none came between.
-    fn take(&mut self, Event { time, what, hits }: Event, stage: &mut Stage<'_>) {
-        match what {
-            What::Pair(at) => {
-                let (i, j) = stage.pair(at);
-                let fast = self.fast[i] || self.fast[j];
-                if hits != (self.hits[i], self.hits[j]) || (fast && self.ended) {
-                    return;
-                }
-                let Some(meeting) = stage.meeting(at, self.times[i].max(self.times[j])) else { return };
-                stage.exchange(at, &meeting);
-                // A fixed ball goes on as it was: all that is foreseen of it still holds.
-                let moved = [i, j].map(|body| (stage.bodies[body].inverse_mass > 0.0).then_some(body));
-                for body in moved.into_iter().flatten() {
-                    self.shifted[body] |= meeting.time * meeting.speed > SHIFT * stage.bodies[body].radius;
-                    self.slow[body] = false;
-                    self.note(stage, body, time);
-                    self.far[body] |= fast;
-                }
-                for body in moved.into_iter().flatten() {
-                    self.foresee(stage, body);
-                }
-            }
-            What::Wall(at) => {
-                let beside = stage.near.beside[at as usize];
-                let body = beside.body as usize;
-                if hits.0 == self.hits[body]
-                    && let Some(met) =
-                        meet_walls(stage.setting, &mut stage.bodies[body], &beside, stage.tally)
-                {
-                    self.shifted[body] |= met.shifts;
-                    let time = met.time.max(self.times[body]);
-                    self.note(stage, body, time);
-                    self.foresee(stage, body);
-                }
-            }
-            What::FastWall(body, axis) => {
-                let body = body as usize;
-                if hits.0 == self.hits[body] && !self.ended {
-                    bounce_off(stage.setting, &mut stage.bodies[body], usize::from(axis), time, stage.tally);
-                    self.note(stage, body, time);
-                    self.foresee(stage, body);
-                }
-            }
-        }
-    }
-
-    /// Notes that a body was hit, and looks for more pairs where it now goes farther than was looked for.
-    fn note(&mut self, stage: &mut Stage<'_>, at: usize, time: f64) {
-        let Stage { setting, bodies, near, .. } = stage;
-        self.hits[at] += 1;
-        self.times[at] = time;
-        self.far[at] |= self.fast[at];
-        self.fast[at] = is_fast(setting, &bodies[at]);
-        self.far[at] |= self.fast[at];
-        if self.fast[at] && self.ended {
-            end(setting, &mut bodies[at], time);
-        }
-        self.exhausted |= self.fast[at] && self.hits[at] >= MOST_FAST;
-        near.widen(at, time, bodies, setting);
-    }
-
-    /// Ends the substep at `time` for all fast balls.
-    fn end_fast(&mut self, stage: &mut Stage<'_>, time: f64) {
-        self.ended = true;
-        for (body, _) in stage.bodies.iter_mut().zip(&self.fast).filter(|&(_, &fast)| fast) {
-            end(stage.setting, body, time);
-        }
-    }
+/// The body beside a wall.
+#[inline]
+fn beside(spot: Spot, stripes: &Stripes<'_>) -> usize {
+    let beside = stripes.list[spot.stripe as usize].beside[spot.at as usize];
+    stripes.layout.start(spot.stripe as usize) + beside.body as usize
 }
 
 /// Ends a body's substep at `time`.

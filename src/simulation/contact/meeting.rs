@@ -2,58 +2,15 @@
 
 use glam::DVec2;
 
-use super::find::Near;
-use super::sleep::{Rest, wake_by_hit};
-use super::{Body, Setting, Tally};
+use super::impacts::{Spot, Stage};
+use super::sleep::wake_by_hit;
+use super::stripes::Stripes;
+use super::{Body, Setting};
 
 /// Balls whose squared distance is more than this part of that at which they touch are not close.
 const CLOSE: f64 = 1.05;
 /// Centres closer than this, px, have no direction to meet along.
 const COINCIDENT: f64 = 1e-150;
-
-/// What impacts act on.
-pub(super) struct Stage<'a> {
-    pub(super) setting: &'a Setting,
-    pub(super) bodies: &'a mut [Body],
-    pub(super) restitutions: &'a [f64],
-    pub(super) near: &'a mut Near,
-    pub(super) rests: &'a mut [Rest],
-    pub(super) hit: &'a mut [bool],
-    pub(super) tally: &'a mut Tally,
-}
-
-impl Stage<'_> {
-    /// The bodies of a pair.
-    #[inline]
-    pub(super) fn pair(&self, at: u32) -> (usize, usize) {
-        let pair = self.near.pairs[at as usize];
-        (pair.first as usize, pair.second as usize)
-    }
-
-    /// Whether, and how, a pair meets in this substep after `since`.
-    #[inline]
-    pub(super) fn meeting(&self, at: u32, since: f64) -> Option<Meeting> {
-        let (i, j) = self.pair(at);
-        let held = self.near.held.get(at as usize) == Some(&true);
-        Meeting::of(self.setting, &self.bodies[i], &self.bodies[j], held, since)
-    }
-
-    /// Gives a pair its impulses, and wakes it where they are not small. Pairs must be linked.
-    pub(super) fn exchange(&mut self, at: u32, meeting: &Meeting) {
-        let (i, j) = self.pair(at);
-        for body in [i, j] {
-            if self.rests[body].asleep && meeting.speed > self.setting.firm {
-                wake_by_hit(body, self.setting.kick, self.bodies, self.rests, self.near);
-            }
-        }
-        meeting.exchange(self.bodies, (i, j), self.restitutions[i].min(self.restitutions[j]));
-        if let Some(hold) = self.near.holds.get_mut(at as usize) {
-            hold.met |= meeting.time > 0.0;
-        }
-        self.tally.impacts += u64::from(meeting.speed > self.setting.rest_speed);
-        (self.hit[i], self.hit[j]) = (true, true);
-    }
-}
 
 /// How near two balls may come in a substep, by the tangent of their squared distance, which lies above it.
 #[derive(Debug, Clone, Copy)]
@@ -88,7 +45,7 @@ pub(super) struct Meeting {
 
 impl Meeting {
     /// `None` where they do not meet in this substep after `since`.
-    fn of(setting: &Setting, first: &Body, second: &Body, held: bool, since: f64) -> Option<Self> {
+    pub(super) fn of(setting: &Setting, first: &Body, second: &Body, held: bool, since: f64) -> Option<Self> {
         let distance = first.position - second.position;
         let velocity = first.velocity - second.velocity;
         let closing = distance.dot(velocity);
@@ -135,6 +92,27 @@ impl Meeting {
         strike(&mut bodies[first], change * one, self.time);
         strike(&mut bodies[second], -change * other, self.time);
     }
+}
+
+/// Gives a pair its impulses, and wakes it where they are not small. Pairs must be linked.
+pub(super) fn exchange(
+    stage: &mut Stage<'_>,
+    stripes: &mut Stripes<'_>,
+    spot: Spot,
+    (i, j): (usize, usize),
+    meeting: &Meeting,
+) {
+    for body in [i, j] {
+        if stage.rests[body].asleep && meeting.speed > stage.setting.firm {
+            wake_by_hit(body, stage.setting.kick, stage.bodies, stage.rests, stripes);
+        }
+    }
+    meeting.exchange(stage.bodies, (i, j), stage.restitutions[i].min(stage.restitutions[j]));
+    if let Some(hold) = stripes.list[spot.stripe as usize].holds.get_mut(spot.at as usize) {
+        hold.met |= meeting.time > 0.0;
+    }
+    stage.tally.impacts += u64::from(meeting.speed > stage.setting.rest_speed);
+    (stage.hit[i], stage.hit[j]) = (true, true);
 }
 
 /// A sudden change of velocity, at a time of the substep.

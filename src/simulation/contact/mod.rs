@@ -17,8 +17,11 @@ mod find;
 mod impacts;
 mod meeting;
 mod order;
+mod rounds;
 mod sleep;
+mod stripes;
 mod support;
+mod team;
 mod walls;
 
 use glam::DVec2;
@@ -29,8 +32,9 @@ use super::grid::Grid;
 use super::world::{Pairs, World};
 use super::{Advance, Frame, Part, Tally, Tuning};
 use find::{Cargo, Near};
-use impacts::Course;
+use rounds::Course;
 use sleep::Rest;
+use team::Team;
 
 /// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; a multiple of that where gravity is strong.
 const RATE: u32 = 240;
@@ -122,13 +126,10 @@ pub(super) struct Contact {
     sleeps: bool,
     /// Whether all do.
     all_asleep: bool,
-    /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
-    border: Vec<(u32, f64)>,
     near: Option<Near>,
+    team: Team,
     /// Whether balls notice each other.
     pairs: bool,
-    /// The pairs that are held apart in a substep, in the order in which they were looked at.
-    touching: Vec<u32>,
     /// Whether each body is held by others or by a wall.
     held: Vec<bool>,
     course: Course,
@@ -167,13 +168,12 @@ impl Contact {
             rests: bodies.iter().map(Rest::new).collect(),
             sleeps: tuning.sleep && kick != DVec2::ZERO,
             all_asleep: false,
-            border: Vec::new(),
             bodies,
             restitutions: balls.iter().map(|ball| ball.restitution).collect(),
             ids: (0..balls.len() as u32).collect(),
             near: (pairs || world.walls.is_some()).then(Near::default),
+            team: Team::new(tuning.threads as usize),
             pairs,
-            touching: Vec::new(),
             held: Vec::new(),
             course: Course::default(),
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
@@ -223,11 +223,11 @@ impl Contact {
     /// Looks for pairs anew where what was found no longer covers this substep.
     #[inline]
     fn find(&mut self) {
-        let Self { setting, bodies, restitutions, ids, rests, near, pairs, hit, before, .. } = self;
+        let Self { setting, bodies, restitutions, ids, rests, near, team, pairs, hit, before, .. } = self;
         if let Some(near) = near
             && !near.keep_up(bodies, setting)
         {
-            near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs);
+            near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
             if setting.rests && setting.kick != DVec2::ZERO {
                 near.push_again(bodies);
             }
@@ -269,12 +269,11 @@ impl Contact {
         let Self { near: Some(near), held, bodies, .. } = self else { return };
         held.clear();
         held.resize(bodies.len(), false);
-        for (pair, _) in near.pairs.iter().zip(&near.holds).filter(|(_, hold)| hold.impulse > 0.0) {
-            held[pair.first as usize] = true;
-            held[pair.second as usize] = true;
+        for (first, second, _) in near.holding() {
+            (held[first], held[second]) = (true, true);
         }
-        for beside in near.beside.iter().filter(|beside| beside.push != DVec2::ZERO) {
-            held[beside.body as usize] = true;
+        for (body, _) in near.beside().filter(|(_, beside)| beside.push != DVec2::ZERO) {
+            held[body] = true;
         }
     }
 
@@ -315,9 +314,8 @@ impl Contact {
             (ball.position, ball.velocity) = (position, velocity);
         }
         if let Some(near) = &self.near {
-            for (pair, _) in near.pairs.iter().zip(&near.holds).filter(|(_, hold)| hold.impulse > 0.0) {
-                self.hit[pair.first as usize] = true;
-                self.hit[pair.second as usize] = true;
+            for (first, second, _) in near.holding() {
+                (self.hit[first], self.hit[second]) = (true, true);
             }
             for (&id, hit) in self.ids.iter().zip(&mut self.hit) {
                 frame.touching[id as usize] = *hit;
@@ -382,7 +380,8 @@ impl Advance for Contact {
                     bodies.map(|(at, body)| (body.position, self.velocity_between(at))).collect();
                 self.before = before;
             }
-            self.step(frame.tally);
+            let team = self.team.clone();
+            team.gather(|| self.step(frame.tally));
             stopped = !go_on();
         }
         if self.steps < last {

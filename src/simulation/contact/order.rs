@@ -3,7 +3,8 @@
 use glam::DVec2;
 
 use super::Body;
-use super::find::{Beside, Hold, Pair};
+use super::find::{Hold, Pair};
+use super::stripes::{Layout, Stripe};
 
 /// The height of a layer, in the smallest radius.
 const LAYER: f64 = 0.25;
@@ -169,14 +170,27 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    pub(super) fn take(&mut self, pairs: &[Pair], holds: &[Hold], beside: &[Beside], count: usize) {
+    /// Takes what holds so many balls, which now have these `places`, or still those that they had.
+    pub(super) fn take(&mut self, layout: Layout, stripes: &[Stripe], places: Option<&[u32]>, count: usize) {
+        let place = |at: u32| places.map_or(at, |places| places[at as usize]);
+        let numbered = || (0..).map(|number| layout.start(number)).zip(stripes);
         self.walls.clear();
-        let pushed = beside.iter().filter(|beside| beside.push != DVec2::ZERO);
-        self.walls.extend(pushed.map(|beside| (beside.body, beside.push)));
+        for (start, stripe) in numbered() {
+            let pushed = stripe.beside.iter().filter(|beside| beside.push != DVec2::ZERO);
+            self.walls.extend(pushed.map(|beside| (place(beside.body + start as u32), beside.push)));
+        }
         self.walls.sort_unstable_by_key(|&(body, _)| body);
         self.starts.clear();
         self.holds.clear();
-        let held = || pairs.iter().zip(holds).filter(|(_, hold)| hold.impulse > 0.0);
+        let held = || {
+            numbered().flat_map(|(start, stripe)| {
+                let held = stripe.pairs.iter().zip(&stripe.holds).filter(|(_, hold)| hold.impulse > 0.0);
+                held.map(move |(pair, hold)| {
+                    let pair = pair.from(start);
+                    (Pair { first: place(pair.first), second: place(pair.second) }, hold)
+                })
+            })
+        };
         if held().next().is_none() {
             return;
         }
@@ -189,7 +203,7 @@ impl Kept {
         self.holds.resize(total as usize, (0, Hold::NONE));
         for (pair, hold) in held() {
             let start = &mut self.starts[pair.first.min(pair.second) as usize];
-            self.holds[*start as usize] = (pair.first.max(pair.second), seen_from_lower(*pair, *hold));
+            self.holds[*start as usize] = (pair.first.max(pair.second), seen_from_lower(pair, *hold));
             *start += 1;
         }
         // Each start has become the next one's.

@@ -7,7 +7,8 @@
 
 use glam::DVec2;
 
-use super::find::{Given, Near};
+use super::find::Given;
+use super::stripes::Stripes;
 use super::support::let_go;
 use super::{Body, Contact, Setting};
 
@@ -81,6 +82,7 @@ impl Contact {
         let drift = self.drift(window);
         let Self { setting, bodies, rests, near: Some(near), held, .. } = self else { return };
         near.link_pairs(bodies.len());
+        let stripes = near.all();
         for (at, (body, rest)) in bodies.iter_mut().zip(&mut *rests).enumerate() {
             // One that was hit just now has not gone far either.
             let slow = body.velocity.length_squared() < setting.kick.length_squared();
@@ -89,7 +91,7 @@ impl Contact {
             if still
                 && rest.weight > 0.0
                 && !rest.asleep
-                && is_balanced(at, body, rest, held[at], near, setting)
+                && is_balanced(at, body, rest, held[at], &stripes, setting)
             {
                 rest.asleep = true;
                 body.inverse_mass = 0.0;
@@ -103,51 +105,64 @@ impl Contact {
     /// Counts bodies that overlap others deeply as not held.
     fn find_deep(&mut self) {
         let Self { bodies, near: Some(near), held, .. } = self else { return };
-        for pair in &near.pairs {
-            let (first, second) = (&bodies[pair.first as usize], &bodies[pair.second as usize]);
-            let reach = first.radius + second.radius - DEEP * first.radius.min(second.radius);
-            if first.position.distance_squared(second.position) < reach * reach {
-                held[pair.first as usize] = false;
-                held[pair.second as usize] = false;
+        for (number, stripe) in near.stripes.iter().enumerate() {
+            let start = near.layout.start(number);
+            for pair in &stripe.pairs {
+                let (i, j) = (start + pair.first as usize, start + pair.second as usize);
+                let (first, second) = (&bodies[i], &bodies[j]);
+                let reach = first.radius + second.radius - DEEP * first.radius.min(second.radius);
+                if first.position.distance_squared(second.position) < reach * reach {
+                    (held[i], held[j]) = (false, false);
+                }
             }
         }
     }
 
     /// Wakes those at the border of sleep that are not balanced any more.
     pub(super) fn wake_unbalanced(&mut self) {
-        let Self { setting, bodies, rests, near: Some(near), border, .. } = self else { return };
-        if border.is_empty() {
+        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
+        if near.stripes.iter().all(|stripe| stripe.disturbed.is_empty()) {
             return;
         }
         near.link_pairs(bodies.len());
         let kick = setting.kick;
-        for (body, lost) in border.drain(..) {
-            let at = body as usize;
-            if !rests[at].asleep {
-                continue;
+        for number in 0..near.stripes.len() {
+            let start = near.layout.start(number);
+            let mut disturbed = std::mem::take(&mut near.stripes[number].disturbed);
+            for (body, lost) in disturbed.drain(..) {
+                let at = start + body as usize;
+                if !rests[at].asleep {
+                    continue;
+                }
+                let given = near.all().given(at, rests[at].weight);
+                // What lost a support moves, however hard the others press.
+                let pressed =
+                    if lost * rests[at].weight > LOST * kick.length() { 0.0 } else { given.pressed };
+                let tolerance = WEIGHT * kick.length() + PRESS * pressed;
+                if (given.velocity + kick).length_squared() > tolerance * tolerance {
+                    // As if it had been held like this in the substep that is over.
+                    bodies[at].free = -wake(at, &given, kick, bodies, rests, &mut near.all());
+                }
             }
-            let given = near.given(body, rests[at].weight);
-            // What lost a support moves, however hard the others press.
-            let pressed = if lost * rests[at].weight > LOST * kick.length() { 0.0 } else { given.pressed };
-            let tolerance = WEIGHT * kick.length() + PRESS * pressed;
-            if (given.velocity + kick).length_squared() > tolerance * tolerance {
-                // As if it had been held like this in the substep that is over.
-                bodies[at].free = -wake(at, &given, kick, bodies, rests, near);
-            }
+            near.stripes[number].disturbed = disturbed;
         }
     }
 }
 
-impl Near {
+impl Stripes<'_> {
     /// Forgets what others and walls give a ball. Its pairs must be linked.
-    fn let_go_of(&mut self, body: u32, bodies: &mut [Body]) {
-        let mut link = self.links.last(body);
-        while let Some(at) = link {
-            let_go(bodies, self.pairs[at.pair()], &mut self.holds[at.pair()]);
-            link = self.links.before(at);
-        }
-        if let Some(at) = self.place_beside(body) {
-            self.beside[at].push = DVec2::ZERO;
+    fn let_go_of(&mut self, body: usize, bodies: &mut [Body]) {
+        for number in self.layout.of_body(body) {
+            let start = self.layout.start(number);
+            let (stripe, own) = (&mut self.list[number], (body - start) as u32);
+            let mut link = stripe.links.last(own);
+            while let Some(at) = link {
+                let_go(&mut bodies[start..], stripe.pairs[at.pair()], &mut stripe.holds[at.pair()]);
+                link = stripe.links.before(at);
+            }
+            if let Some(at) = stripe.place_beside(own) {
+                stripe.beside[at].push = DVec2::ZERO;
+            }
         }
     }
 }
@@ -160,37 +175,50 @@ fn wake(
     kick: DVec2,
     bodies: &mut [Body],
     rests: &mut [Rest],
-    near: &mut Near,
+    stripes: &mut Stripes<'_>,
 ) -> DVec2 {
     let rest = &mut rests[at];
     (rest.asleep, rest.anchor) = (false, bodies[at].position);
     bodies[at].inverse_mass = rest.weight;
-    near.weigh_pairs_of(at as u32, bodies);
+    stripes.weigh_pairs_of(at, bodies);
     if (given.velocity + kick).length() < WARM * kick.length() {
         given.velocity
     } else {
-        near.let_go_of(at as u32, bodies);
+        stripes.let_go_of(at, bodies);
         DVec2::ZERO
     }
 }
 
 /// Whether what holds a ball balances its weight. A wall on which it lies, or hops less high than gravity takes it in a
 /// substep, holds it as it must.
-fn is_balanced(at: usize, body: &Body, rest: &Rest, held: bool, near: &Near, setting: &Setting) -> bool {
-    let given = near.given(at as u32, rest.weight);
+fn is_balanced(
+    at: usize,
+    body: &Body,
+    rest: &Rest,
+    held: bool,
+    stripes: &Stripes<'_>,
+    setting: &Setting,
+) -> bool {
+    let given = stripes.given(at, rest.weight);
     let below = setting.size - body.radius - body.position;
     let above = body.position - body.radius;
     let gap = DVec2::select(setting.kick.cmpgt(DVec2::ZERO), below, above);
-    let beside = DVec2::splat(f64::from(u8::from(near.place_beside(at as u32).is_some())));
+    let beside = DVec2::splat(f64::from(u8::from(stripes.is_beside(at))));
     let grounded = gap.cmplt(setting.kick.abs() * setting.substep * beside);
     let left = DVec2::select(grounded, DVec2::ZERO, given.velocity + setting.kick);
     (held || grounded.any()) && left.length() < EVEN * (setting.kick.length() + given.pressed)
 }
 
 /// Wakes a ball that something hits firmly, in the midst of a substep.
-pub(super) fn wake_by_hit(at: usize, kick: DVec2, bodies: &mut [Body], rests: &mut [Rest], near: &mut Near) {
-    let given = near.given(at as u32, rests[at].weight);
-    let held = wake(at, &given, kick, bodies, rests, near);
+pub(super) fn wake_by_hit(
+    at: usize,
+    kick: DVec2,
+    bodies: &mut [Body],
+    rests: &mut [Rest],
+    stripes: &mut Stripes<'_>,
+) {
+    let given = stripes.given(at, rests[at].weight);
+    let held = wake(at, &given, kick, bodies, rests, stripes);
     bodies[at].free = kick;
     bodies[at].velocity = kick + held;
 }

@@ -9,8 +9,10 @@
 
 use glam::DVec2;
 
-use super::find::{Beside, Hold, Near, Pair};
-use super::impacts::Course;
+use super::find::{Beside, Hold, Pair};
+use super::impacts::Fate;
+use super::sleep::Rest;
+use super::stripes::{Layer, Stripe, of_layer};
 use super::{Body, Contact, Setting};
 
 /// Pairs farther apart than this part of their radii, and not closing in, are left out of a substep.
@@ -36,35 +38,95 @@ const INNER: u32 = 3;
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
-        let Self { setting, bodies, rests, near: Some(near), touching, border, course, .. } = self else {
-            return;
-        };
-        let Near { pairs, holds, held, idle, close, beside, .. } = near;
-        let Course { shifted, far, .. } = &*course;
-        touching.clear();
-        if setting.kick == DVec2::ZERO {
-            // What held balls when they met is of no use any more.
-            for hold in &mut *holds {
-                (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+        self.sweep(Layer::OUTWARD, |setting, stripe, bodies| {
+            if setting.kick == DVec2::ZERO {
+                stripe.forget();
             }
-            for beside in &mut *beside {
-                beside.push = DVec2::ZERO;
+            hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
+            stripe.take_up_all(setting, bodies);
+        });
+        self.sweep(Layer::INWARD, |setting, stripe, bodies| {
+            for &at in stripe.touching.iter().rev() {
+                let at = at as usize;
+                hold_apart(bodies.bodies, stripe.pairs[at], &mut stripe.holds[at], SOFT);
             }
+            hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
+        });
+        // Without gravity nothing lies on anything.
+        if self.setting.kick != DVec2::ZERO {
+            self.sweep(Layer::AROUND, |_, stripe, bodies| stripe.carry_all(bodies.bodies));
         }
-        hold_on_walls(setting, bodies, beside);
+    }
+
+    /// Takes the velocities away that moved balls out of overlaps.
+    pub(super) fn relax(&mut self) {
+        self.sweep(Layer::OUTWARD, |setting, stripe, bodies| stripe.relax_all(setting, bodies.bodies));
+        self.sweep(&[Layer::Own], |_, stripe, bodies| relax_on_walls(bodies.bodies, &mut stripe.beside));
+    }
+
+    /// Works on the stripes of one layer after the other.
+    fn sweep(
+        &mut self,
+        layers: &[Layer],
+        work: impl Fn(&Setting, &mut Stripe, &mut Share<'_>) + Sync + Send,
+    ) {
+        let Self { setting, bodies, rests, near: Some(near), course, team, .. } = self else { return };
+        let layout = near.layout;
+        if let [stripe] = &mut near.stripes[..] {
+            let times = layers.iter().filter(|&&layer| layer == Layer::Own).count();
+            let share = &mut Share { bodies, fates: &course.fates, rests };
+            (0..times).for_each(|_| work(setting, stripe, share));
+            return;
+        }
+        for &layer in layers {
+            let shares = of_layer(&mut near.stripes, layout, layer).iter_mut();
+            let shares = shares.zip(layout.share(layer, bodies));
+            let shares = shares.zip(layout.share_read(layer, &course.fates));
+            let shares = shares.zip(layout.share_read(layer, rests));
+            let busy =
+                shares.filter(|(((stripe, _), _), _)| !(stripe.pairs.is_empty() && stripe.beside.is_empty()));
+            team.each(busy, |(((stripe, bodies), fates), rests)| {
+                work(setting, stripe, &mut Share { bodies, fates, rests });
+            });
+        }
+    }
+}
+
+/// The bodies of a stripe, and what is known of them.
+struct Share<'a> {
+    bodies: &'a mut [Body],
+    fates: &'a [Fate],
+    rests: &'a [Rest],
+}
+
+impl Stripe {
+    /// What held balls when they met is of no use any more.
+    fn forget(&mut self) {
+        for hold in &mut self.holds {
+            (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+        }
+        for beside in &mut self.beside {
+            beside.push = DVec2::ZERO;
+        }
+    }
+
+    /// Looks at all pairs anew, and holds those apart that are close.
+    fn take_up_all(&mut self, setting: &Setting, Share { bodies, fates, rests }: &mut Share<'_>) {
+        let Self { pairs, holds, held, idle, close, touching, disturbed, .. } = self;
+        touching.clear();
         for (at, (pair, hold)) in pairs.iter().zip(&mut *holds).enumerate() {
             let apart = !close[at] && hold.impulse == 0.0 && !hold.met && !held[at];
             if idle[at] || apart {
                 continue;
             }
-            let (i, j) = (pair.first as usize, pair.second as usize);
+            let (first, second) = (&fates[pair.first as usize], &fates[pair.second as usize]);
             let carried = hold.impulse;
             // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
-            let torn = far[i] || far[j];
+            let torn = first.far || second.far;
             if torn && hold.impulse > 0.0 {
                 let_go(bodies, *pair, hold);
             }
-            let near = !torn && take_up(setting, bodies, *pair, hold, shifted[i] || shifted[j]);
+            let near = !torn && take_up(setting, bodies, *pair, hold, first.shifted || second.shifted);
             if near {
                 touching.push(at as u32);
             }
@@ -73,17 +135,17 @@ impl Contact {
                 let sleepers =
                     [pair.first, pair.second].into_iter().filter(|&body| rests[body as usize].asleep);
                 let lost = if holds { 0.0 } else { carried };
-                border.extend(sleepers.map(|body| (body, lost)));
+                disturbed.extend(sleepers.map(|body| (body, lost)));
             }
             held[at] = holds;
             hold.met = false;
         }
-        for &at in touching.iter().rev() {
-            hold_apart(bodies, pairs[at as usize], &mut holds[at as usize], SOFT);
-        }
-        hold_on_walls(setting, bodies, beside);
-        // Without gravity nothing lies on anything.
-        let mut rest = if setting.kick == DVec2::ZERO { &[] } else { &touching[..] };
+    }
+
+    /// Stops what still sinks, from the ground up.
+    fn carry_all(&self, bodies: &mut [Body]) {
+        let Self { pairs, holds, touching, .. } = self;
+        let mut rest = &touching[..];
         while let Some(&at) = rest.first() {
             let upper = pairs[at as usize].first;
             let count = rest.iter().take_while(|&&at| pairs[at as usize].first == upper).count();
@@ -94,34 +156,14 @@ impl Contact {
     }
 
     /// Takes the velocities away that moved balls out of overlaps.
-    pub(super) fn relax(&mut self) {
-        let Self { setting, bodies, near: Some(near), touching, .. } = self else { return };
+    fn relax_all(&mut self, setting: &Setting, bodies: &mut [Body]) {
+        let Self { pairs, holds, touching, .. } = self;
         for &at in touching.iter() {
-            let hold = &mut near.holds[at as usize];
+            let (pair, hold) = (pairs[at as usize], &mut holds[at as usize]);
             hold.least = hold.least.min(0.0);
-            hold_apart(bodies, near.pairs[at as usize], hold, 0.0);
+            hold_apart(bodies, pair, hold, 0.0);
             if hold.impulse > 0.0 {
-                calm(bodies, near.pairs[at as usize], hold, setting.firm);
-            }
-        }
-        for beside in &mut near.beside {
-            if bodies[beside.body as usize].inverse_mass == 0.0 {
-                continue;
-            }
-            // What comes near a wall only now meets it in the next substep.
-            let held = beside.push;
-            let hold = |velocity: f64, push: f64| {
-                let without = velocity - push;
-                if push > 0.0 { without.max(0.0) } else { without.min(0.0) }
-            };
-            let body = &mut bodies[beside.body as usize];
-            for axis in 0..2 {
-                // Not for what rounding leaves: one that just comes to a wall is not held by it.
-                if held[axis].abs() > ROUNDING * body.velocity[axis].abs() {
-                    let velocity = hold(body.velocity[axis], held[axis]);
-                    beside.push[axis] += velocity - body.velocity[axis];
-                    body.velocity[axis] = velocity;
-                }
+                calm(bodies, pair, hold, setting.firm);
             }
         }
     }
@@ -277,5 +319,29 @@ fn hold_on_walls(setting: &Setting, bodies: &mut [Body], beside: &mut [Beside]) 
         let held = without.max(low).min(high);
         beside.push = held - without;
         body.velocity = held;
+    }
+}
+
+/// Takes the velocities away that walls gave to balls that would have overlapped them.
+fn relax_on_walls(bodies: &mut [Body], beside: &mut [Beside]) {
+    for beside in beside {
+        if bodies[beside.body as usize].inverse_mass == 0.0 {
+            continue;
+        }
+        // What comes near a wall only now meets it in the next substep.
+        let held = beside.push;
+        let hold = |velocity: f64, push: f64| {
+            let without = velocity - push;
+            if push > 0.0 { without.max(0.0) } else { without.min(0.0) }
+        };
+        let body = &mut bodies[beside.body as usize];
+        for axis in 0..2 {
+            // Not for what rounding leaves: one that just comes to a wall is not held by it.
+            if held[axis].abs() > ROUNDING * body.velocity[axis].abs() {
+                let velocity = hold(body.velocity[axis], held[axis]);
+                beside.push[axis] += velocity - body.velocity[axis];
+                body.velocity[axis] = velocity;
+            }
+        }
     }
 }
