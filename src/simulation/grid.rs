@@ -26,6 +26,11 @@ pub struct Grid {
     cell_of: Vec<u32>,
     sorted: Vec<Entry>,
     large: Vec<Entry>,
+    /// Balls that were inserted since these were sorted, as a chain for each cell, and the last of each chain.
+    inserted: Vec<Inserted>,
+    lasts: Vec<u32>,
+    /// The same for those too large for the cells.
+    inserted_large: Vec<u32>,
     touching: Vec<(u32, u32)>,
 }
 
@@ -55,6 +60,13 @@ struct Entry {
     index: u32,
 }
 
+/// A ball in a cell to which it was not sorted, and the one before it there.
+#[derive(Debug, Clone, Copy)]
+struct Inserted {
+    index: u32,
+    before: u32,
+}
+
 /// A part of a cell that covers the rounding of coordinates: 2⁻¹² of a cell while they are less than [`FAR`] cells.
 const EDGE: f64 = 1.0 / 1024.0;
 /// Cells are this much wider than the largest diameter, so that rounding never puts two touching balls two
@@ -71,6 +83,8 @@ const MOST_DOUBLINGS: usize = 14;
 const FEWEST: usize = 4;
 /// Marks a ball that is kept out of the cells.
 const NO_CELL: u32 = u32::MAX;
+/// The beginning of a chain.
+const NONE: u32 = u32::MAX;
 
 impl Grid {
     /// A grid with cells that suit the radii of `balls` in a world of `size` px. It stays right, if not fast, for any
@@ -104,6 +118,9 @@ impl Grid {
             cell_of: Vec::new(),
             sorted: Vec::new(),
             large: Vec::new(),
+            inserted: Vec::new(),
+            lasts: Vec::new(),
+            inserted_large: Vec::new(),
             touching: Vec::new(),
         }
     }
@@ -197,6 +214,9 @@ impl Grid {
         self.starts.resize(self.columns * self.rows + 1, 0);
         self.cell_of.clear();
         self.large.clear();
+        self.inserted.clear();
+        self.lasts.clear();
+        self.inserted_large.clear();
         for (index, disc) in discs.iter().enumerate() {
             if disc.radius() > self.reach {
                 self.cell_of.push(NO_CELL);
@@ -275,27 +295,52 @@ impl Grid {
     pub(super) fn compare_large(&self, contact: &mut impl FnMut(u32, u32)) {
         for (at, ball) in self.large.iter().enumerate() {
             compare(ball, &self.large[at + 1..], contact);
-            self.reached(ball.position, ball.radius, |others| compare(ball, others, contact));
+            self.reached(ball.position, ball.radius, |cell| compare(ball, self.in_cell(cell), contact));
         }
     }
 
-    /// Calls `visit` with each disc of the last search that may touch one of `radius` about `centre`, and others.
-    pub(super) fn for_each_near(&self, centre: DVec2, radius: f64, mut visit: impl FnMut(u32)) {
-        let mut visit_all = |entries: &[Entry]| entries.iter().for_each(|entry| visit(entry.index));
-        visit_all(&self.large);
-        self.reached(centre, radius, visit_all);
+    /// Inserts a disc, or one that has moved at its new place; where it was sorted to it stays, too.
+    pub(super) fn insert(&mut self, index: u32, disc: &impl Disc) {
+        if disc.radius() > self.reach {
+            self.inserted_large.push(index);
+            return;
+        }
+        self.lasts.resize(self.columns * self.rows, NONE);
+        let centre = disc.centre() * self.density;
+        let cell = wrap(centre.y, self.rows) * self.columns + wrap(centre.x, self.columns);
+        let before = std::mem::replace(&mut self.lasts[cell], self.inserted.len() as u32);
+        self.inserted.push(Inserted { index, before });
     }
 
-    /// Calls `visit` with the discs of each cell that one of `radius` about `centre` reaches.
-    fn reached(&self, centre: DVec2, radius: f64, mut visit: impl FnMut(&[Entry])) {
-        let Self { density, columns, rows, reach, starts, sorted, .. } = self;
+    /// Calls `visit` with each disc, sorted or inserted, that may touch one of `radius` about `centre`, and others.
+    pub(super) fn for_each_near(&self, centre: DVec2, radius: f64, mut visit: impl FnMut(u32)) {
+        self.large.iter().for_each(|entry| visit(entry.index));
+        self.inserted_large.iter().for_each(|&index| visit(index));
+        self.reached(centre, radius, |cell| {
+            self.in_cell(cell).iter().for_each(|entry| visit(entry.index));
+            let mut last = self.lasts.get(cell).copied().unwrap_or(NONE);
+            while last != NONE {
+                let Inserted { index, before } = self.inserted[last as usize];
+                visit(index);
+                last = before;
+            }
+        });
+    }
+
+    /// The discs that were sorted to a cell.
+    fn in_cell(&self, cell: usize) -> &[Entry] {
+        &self.sorted[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
+    /// Calls `visit` with each cell that a disc of `radius` about `centre` reaches.
+    fn reached(&self, centre: DVec2, radius: f64, mut visit: impl FnMut(usize)) {
+        let Self { density, columns, rows, reach, .. } = self;
         let arm = DVec2::splat(radius + *reach);
         let low = (centre - arm) * *density - EDGE;
         let high = (centre + arm) * *density + EDGE;
         for row in span(low.y, high.y, *rows) {
             for column in span(low.x, high.x, *columns) {
-                let cell = (row % *rows) * *columns + column % *columns;
-                visit(&sorted[starts[cell] as usize..starts[cell + 1] as usize]);
+                visit((row % *rows) * *columns + column % *columns);
             }
         }
     }

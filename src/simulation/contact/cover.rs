@@ -14,8 +14,7 @@ impl Near {
     /// Covers all balls in a substep in which nothing hits them, if few are not covered yet. Whether that could be done.
     pub(super) fn keep_up(&mut self, bodies: &[Body], setting: &Setting) -> bool {
         let many = bodies.len() / MANY;
-        if self.homes.len() != bodies.len() || self.moved.len() > many || self.added > self.found / MORE + FEW
-        {
+        if self.homes.len() != bodies.len() || self.moved > many || self.added > self.found / MORE + FEW {
             return false;
         }
         let covers = |(home, body): (&Home, &Body)| home.covers(body.end(setting.substep));
@@ -56,10 +55,12 @@ impl Near {
     /// Gives a ball another home, and links the pairs that it finds there.
     fn change_home(&mut self, at: usize, home: Home, bodies: &[Body], setting: &Setting) {
         self.link_pairs_of(at, bodies.len());
-        if self.is_as_sorted(at, bodies) {
-            self.moved.push(at as u32);
-        }
+        self.moved += usize::from(self.is_as_sorted(at, bodies));
         self.homes[at] = home;
+        if let Some((grid, _)) = &mut self.grid {
+            let centre = in_cells(self.turned, home.position);
+            grid.insert(at as u32, &Reach { centre, radius: bodies[at].radius + home.reach });
+        }
         if self.seeks_pairs {
             self.find_more_pairs(at, bodies, setting);
         }
@@ -90,7 +91,7 @@ impl Near {
     /// Adds the pairs of a ball that it does not have yet.
     fn find_more_pairs(&mut self, at: usize, bodies: &[Body], setting: &Setting) {
         let place = in_cells(self.turned, self.homes[at].position);
-        let Self { layout, stripes, crossing, homes, grid, moved, known, added, .. } = self;
+        let Self { layout, stripes, crossing, homes, grid, known, added, .. } = self;
         known.begin(bodies.len());
         for number in layout.of_body(at) {
             let (stripe, start) = (&stripes[number], layout.start(number));
@@ -124,11 +125,7 @@ impl Near {
         };
         match grid {
             Some((grid, _)) if bodies.len() > FEW => {
-                // The cells know the others as they were when they were sorted.
                 grid.for_each_near(place, ball.radius + home.reach, |other| consider(other as usize));
-                for &other in &*moved {
-                    consider(other as usize);
-                }
             }
             _ => (0..bodies.len()).for_each(consider),
         }

@@ -41,8 +41,8 @@ pub(super) struct Near {
     /// How many pairs the search found, and how many were added since.
     pub(super) found: usize,
     pub(super) added: usize,
-    /// Balls that were covered anew since the search.
-    pub(super) moved: Vec<u32>,
+    /// How many balls were covered anew since the search.
+    pub(super) moved: usize,
     pub(super) discs: Vec<Reach>,
     pub(super) grid: Option<(Grid, f64)>,
     /// Whether the axes of `discs` are swapped, so that rows of cells are columns of the world.
@@ -170,7 +170,7 @@ impl Near {
             if self.searches % SEARCHES_PER_ORDER == 1 { self.put_in_order(&mut cargo) } else { None };
         self.searches += 1;
         self.seeks_pairs = pairs;
-        self.moved.clear();
+        self.moved = 0;
         self.strays.clear();
         let bodies: &[Body] = cargo.bodies;
         self.kept.take(self.layout, &self.stripes, places.as_deref(), bodies.len());
