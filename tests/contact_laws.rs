@@ -146,6 +146,25 @@ fn an_elastic_gas_keeps_its_energy_and_leaves_no_overlap() {
 }
 
 #[test]
+fn thousands_of_elastic_balls_keep_their_energy_and_get_their_momentum_from_the_walls_alone() {
+    let text =
+        "size = [1300, 1200]\n[walls]\n[pairs]\n[[fill]]\ncount = 3000\nradius = [3, 8]\nspeed = [0, 300]\n";
+    let scene = Scene::parse("gas", text).unwrap().with_solver(Solver::Contact);
+    let mut simulation = scene.build().unwrap();
+    let (start, before) = (energy(&simulation), momentum(simulation.balls()));
+    let scale: f64 = simulation.balls().iter().map(|ball| ball.mass() * 300.0).sum();
+    for _ in 0..200 {
+        simulation.advance(FRAME).unwrap();
+        assert!((energy(&simulation) / start - 1.0).abs() < 1e-9);
+        let from_walls = before + simulation.tally().wall_impulse;
+        assert!((momentum(simulation.balls()) - from_walls).length() < 1e-9 * scale);
+    }
+    assert!(simulation.tally().impacts > 30_000);
+    assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+    assert!(overlap(&simulation) < 0.5, "{}", overlap(&simulation));
+}
+
+#[test]
 fn momentum_is_kept_where_nothing_holds_the_balls() {
     let text = "size = [400, 400]\n[pairs]\n[[fill]]\ncount = 200\nradius = [3, 8]\nspeed = 300\nrestitution = 0.5\n";
     let mut simulation = Scene::parse("cloud", text).unwrap().with_solver(Solver::Contact).build().unwrap();
@@ -257,6 +276,43 @@ fn a_pile_settles_with_little_overlap_and_its_energy_does_not_rise() {
     assert!(overlap(&simulation) < 0.05, "{}", overlap(&simulation));
     assert!(fastest(&simulation) < 5.0, "{}", fastest(&simulation));
     assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+}
+
+#[test]
+fn a_pile_of_thousands_settles_with_little_overlap_and_gets_no_more_than_a_hundredth_of_its_energy_back() {
+    let mut simulation = pile(2500);
+    let start = energy(&simulation);
+    let mut least = start;
+    for _ in 0..600 {
+        simulation.advance(FRAME).unwrap();
+        least = least.min(energy(&simulation));
+        assert!(energy(&simulation) < least + 1e-2 * start, "at {} s", simulation.time());
+    }
+    assert!(overlap(&simulation) < 0.1, "{}", overlap(&simulation));
+    assert!(fastest(&simulation) < 50.0, "{}", fastest(&simulation));
+    assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+}
+
+#[test]
+fn a_ball_heavier_than_the_pile_that_it_lies_on_does_not_sink_in() {
+    let fill = "count = 2500\nradius = 4\nrestitution = 0.3\nregion = [0, 150, 600, 550]\n";
+    let text = format!("size = [600, 550]\ngravity = [0, 980]\n[walls]\n[pairs]\n[[fill]]\n{fill}");
+    let mut simulation = Scene::parse("bed", &text).unwrap().with_solver(Solver::Contact).build().unwrap();
+    let run = |simulation: &mut Simulation, seconds: usize| {
+        (0..60 * seconds).for_each(|_| simulation.advance(FRAME).unwrap());
+    };
+    run(&mut simulation, 4);
+    // As wide as some stripes, and of ten times the mass of all others.
+    let heavy = ball(300.0, 60.0, 50.0).with_mass(2.5e4).unwrap().with_restitution(0.0).unwrap();
+    simulation.add(&[heavy]).unwrap();
+    run(&mut simulation, 6);
+    let lies = simulation.balls()[2500].position().y;
+    assert!(overlap(&simulation) < 0.1, "{}", overlap(&simulation));
+    run(&mut simulation, 4);
+    let sunk = simulation.balls()[2500].position().y - lies;
+    // The bed gives way by less than a ball of it is wide.
+    assert!(sunk < 4.0, "{sunk}");
+    assert!(overlap(&simulation) < 0.1, "{}", overlap(&simulation));
 }
 
 #[test]

@@ -3,6 +3,8 @@
 use glam::DVec2;
 
 use super::find::{FEW, Home, Near, Pair, Reach, in_cells, is_clear};
+use super::stripes::{Layer, Stripe, of_layer};
+use super::team::Team;
 use super::{Body, Setting};
 
 /// All pairs are searched anew where more than one in so many balls would have to be covered anew ...
@@ -12,26 +14,40 @@ const MORE: usize = 4;
 
 impl Near {
     /// Covers all balls in a substep in which nothing hits them, if few are not covered yet. Whether that could be done.
-    pub(super) fn keep_up(&mut self, bodies: &[Body], setting: &Setting) -> bool {
+    pub(super) fn keep_up(&mut self, bodies: &[Body], setting: &Setting, team: &Team) -> bool {
         let many = bodies.len() / MANY;
         if self.homes.len() != bodies.len() || self.moved > many || self.added > self.found / MORE + FEW {
             return false;
         }
         let covers = |(home, body): (&Home, &Body)| home.covers(body.end(setting.substep));
-        let left = self.homes.iter().zip(bodies).filter(|&ball| !covers(ball)).count() + self.strays.len();
+        let layout = self.layout;
+        let shares = layout.share_read(Layer::Own, &self.homes).zip(layout.share_read(Layer::Own, bodies));
+        let shares = shares.zip(of_layer(&mut self.stripes, layout, Layer::Own));
+        team.each(shares, |((homes, bodies), stripe)| {
+            let leaving = homes.iter().zip(bodies).filter(|&ball| !covers(ball)).count();
+            stripe.leaving = leaving + stripe.strays.len();
+        });
+        let leaving = |stripe: &Stripe| stripe.leaving;
+        let left: usize = of_layer(&mut self.stripes, layout, Layer::Own).iter().map(leaving).sum();
         if left == 0 {
             return true;
         }
         if bodies.len() <= FEW || left > many {
             return false;
         }
-        for at in 0..bodies.len() {
-            if !covers((&self.homes[at], &bodies[at])) {
-                self.cover_anew(at, bodies, setting);
+        for number in 0..layout.first_of(Layer::Seams) {
+            if self.stripes[number].leaving == 0 {
+                continue;
             }
-        }
-        while let Some(at) = self.strays.pop() {
-            self.cover_anew(at as usize, bodies, setting);
+            let start = layout.start(number);
+            for at in start..start + layout.count(number, bodies.len()) {
+                if !covers((&self.homes[at], &bodies[at])) {
+                    self.cover_anew(at, bodies, setting);
+                }
+            }
+            while let Some(at) = self.stripes[number].strays.pop() {
+                self.cover_anew(start + at as usize, bodies, setting);
+            }
         }
         true
     }

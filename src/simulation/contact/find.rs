@@ -34,8 +34,6 @@ pub(super) struct Near {
     pub(super) homes: Vec<Home>,
     /// For each ball, whether it has pairs that do not belong to its stripe.
     pub(super) crossing: Vec<bool>,
-    /// Balls that were kept from going where they are not covered.
-    pub(super) strays: Vec<u32>,
     /// Whether pairs are looked for.
     pub(super) seeks_pairs: bool,
     /// How many pairs the search found, and how many were added since.
@@ -171,7 +169,6 @@ impl Near {
         self.searches += 1;
         self.seeks_pairs = pairs;
         self.moved = 0;
-        self.strays.clear();
         let bodies: &[Body] = cargo.bodies;
         self.kept.take(self.layout, &self.stripes, places.as_deref(), bodies.len());
         self.layout = Layout::of(bodies.len());

@@ -34,6 +34,7 @@ use super::{Advance, Frame, Part, Tally, Tuning};
 use find::{Cargo, Near};
 use rounds::Course;
 use sleep::Rest;
+use stripes::{Layer, Layout, of_layer};
 use team::Team;
 
 /// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; a multiple of that where gravity is strong.
@@ -205,19 +206,20 @@ impl Contact {
     /// Gravity, and what held each ball in the last substep.
     #[inline]
     fn accelerate(&mut self) {
-        let kick = self.setting.kick;
-        if kick == DVec2::ZERO {
-            // Nothing presses: what held balls when they met is of no use any more.
-            for body in &mut self.bodies {
-                body.free = body.velocity;
+        let Self { setting, bodies, near, team, .. } = self;
+        let (kick, layout) = (setting.kick, near.as_ref().map_or(Layout::ONE, |near| near.layout));
+        team.each(layout.share(Layer::Own, bodies), |bodies| {
+            for body in bodies {
+                if kick == DVec2::ZERO {
+                    // Nothing presses: what held balls when they met is of no use any more.
+                    body.free = body.velocity;
+                    continue;
+                }
+                let change = body.change(kick);
+                body.free = body.velocity + if body.inverse_mass > 0.0 { kick } else { DVec2::ZERO };
+                body.velocity += change;
             }
-            return;
-        }
-        for body in &mut self.bodies {
-            let change = body.change(kick);
-            body.free = body.velocity + if body.inverse_mass > 0.0 { kick } else { DVec2::ZERO };
-            body.velocity += change;
-        }
+        });
     }
 
     /// Looks for pairs anew where what was found no longer covers this substep.
@@ -225,7 +227,7 @@ impl Contact {
     fn find(&mut self) {
         let Self { setting, bodies, restitutions, ids, rests, near, team, pairs, hit, before, .. } = self;
         if let Some(near) = near
-            && !near.keep_up(bodies, setting)
+            && !near.keep_up(bodies, setting, team)
         {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
             if setting.rests && setting.kick != DVec2::ZERO {
@@ -237,31 +239,30 @@ impl Contact {
     /// Moves the balls, none farther than the search for pairs has covered, and none through a wall.
     #[inline]
     fn travel(&mut self) {
-        let Self { setting, bodies, near, .. } = self;
-        let Setting { substep, size, .. } = *setting;
-        match near {
-            None => {
-                for body in bodies.iter_mut() {
-                    body.position += body.velocity * substep;
+        let Self { setting, bodies, near, team, .. } = self;
+        let Setting { substep, size, walls, .. } = *setting;
+        let Some(near) = near else {
+            for body in bodies.iter_mut() {
+                body.position += body.velocity * substep;
+            }
+            return;
+        };
+        let layout = near.layout;
+        let shares = layout.share(Layer::Own, bodies).zip(layout.share_read(Layer::Own, &near.homes));
+        let shares = shares.zip(of_layer(&mut near.stripes, layout, Layer::Own));
+        team.each(shares, |((bodies, homes), stripe)| {
+            for ((at, body), home) in (0..).zip(bodies).zip(homes) {
+                body.position += body.velocity * substep;
+                if !home.covers(body.position) {
+                    body.position = home.limit(body.position);
+                    stripe.strays.push(at);
+                }
+                if walls.is_some() && body.inverse_mass > 0.0 {
+                    let radius = DVec2::splat(body.radius);
+                    body.position = body.position.min(size - radius).max(radius);
                 }
             }
-            Some(near) => {
-                for ((at, body), home) in (0..).zip(bodies.iter_mut()).zip(&near.homes) {
-                    body.position += body.velocity * substep;
-                    if !home.covers(body.position) {
-                        body.position = home.limit(body.position);
-                        near.strays.push(at);
-                    }
-                }
-            }
-        }
-        let Self { setting, bodies, .. } = self;
-        if setting.walls.is_some() {
-            for body in bodies.iter_mut().filter(|body| body.inverse_mass > 0.0) {
-                let radius = DVec2::splat(body.radius);
-                body.position = body.position.min(size - radius).max(radius);
-            }
-        }
+        });
     }
 
     /// Notes which bodies are held in the substep that is over.

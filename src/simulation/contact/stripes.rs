@@ -222,6 +222,10 @@ pub(super) struct Stripe {
     /// Impacts that are left to the second round, and bodies whose impacts are after they were hit.
     pub(super) left_events: Vec<Event>,
     pub(super) left_bodies: Vec<u32>,
+    /// Balls that were kept from going where they are not covered.
+    pub(super) strays: Vec<u32>,
+    /// How many are about to go where they are not covered.
+    pub(super) leaving: usize,
     /// Whether any of its bodies is fast.
     pub(super) has_fast: bool,
     /// What happened in the first round.
@@ -242,6 +246,7 @@ impl Stripe {
         places_beside.clear();
         places_beside.resize(count, NOWHERE);
         self.touching.clear();
+        self.strays.clear();
         self.disturbed.clear();
     }
 

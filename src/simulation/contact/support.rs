@@ -24,6 +24,8 @@ const MENDING_SPEED: f64 = 4.0;
 /// How much an impulse gives way, as a part of itself. With [`MENDED`] it makes contacts springs that are damped more than
 /// enough: a pair that carries the weight of N balls of its own mass overlaps by about N·g·h²·SOFT/MENDED.
 const SOFT: f64 = 0.006;
+/// What is left of an impulse that gives way.
+const YIELDING: f64 = 1.0 / (1.0 + SOFT);
 /// The part of what was given along earlier directions that is let go in a substep.
 const LOOSENED: f64 = 0.02;
 /// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
@@ -48,7 +50,7 @@ impl Contact {
         self.sweep(Layer::INWARD, |setting, stripe, bodies| {
             for &at in stripe.touching.iter().rev() {
                 let at = at as usize;
-                hold_apart(bodies.bodies, stripe.pairs[at], &mut stripe.holds[at], SOFT);
+                hold_apart(bodies.bodies, stripe.pairs[at], &mut stripe.holds[at], YIELDING);
             }
             hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
         });
@@ -161,7 +163,7 @@ impl Stripe {
         for &at in touching.iter() {
             let (pair, hold) = (pairs[at as usize], &mut holds[at as usize]);
             hold.least = hold.least.min(0.0);
-            hold_apart(bodies, pair, hold, 0.0);
+            hold_apart(bodies, pair, hold, 1.0);
             if hold.impulse > 0.0 {
                 calm(bodies, pair, hold, setting.firm);
             }
@@ -250,7 +252,7 @@ fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, 
             (MENDED * deep / setting.substep).min(MENDING_SPEED * reach)
         }
     };
-    press(hold, first, second, SOFT);
+    press(hold, first, second, YIELDING);
     true
 }
 
@@ -279,17 +281,17 @@ fn calm(bodies: &mut [Body], pair: Pair, hold: &Hold, slow: f64) {
 }
 
 #[inline]
-fn hold_apart(bodies: &mut [Body], pair: Pair, hold: &mut Hold, soft: f64) {
+fn hold_apart(bodies: &mut [Body], pair: Pair, hold: &mut Hold, left: f64) {
     let (first, second) = two(bodies, pair);
-    press(hold, first, second, soft);
+    press(hold, first, second, left);
 }
 
-/// Brings a pair's impulse to where both part with the least velocity, or to 0. A soft one gives way a little, by `soft`
-/// of what it holds, so that what they overlap by, in the end, follows what they carry.
+/// Brings a pair's impulse to where both part with the least velocity, or to 0. Of a soft one only a part is `left`, so that
+/// what they overlap by, in the end, follows what they carry.
 #[inline]
-fn press(hold: &mut Hold, first: &mut Body, second: &mut Body, soft: f64) {
+fn press(hold: &mut Hold, first: &mut Body, second: &mut Body, left: f64) {
     let parting = (first.velocity - second.velocity).dot(hold.normal);
-    let impulse = ((hold.impulse - (parting - hold.least) * hold.mass) / (1.0 + soft)).max(0.0);
+    let impulse = ((hold.impulse - (parting - hold.least) * hold.mass) * left).max(0.0);
     let push = hold.normal * (impulse - hold.impulse);
     hold.impulse = impulse;
     first.velocity += push * first.inverse_mass;
