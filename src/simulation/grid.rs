@@ -26,11 +26,7 @@ pub struct Grid {
     cell_of: Vec<u32>,
     sorted: Vec<Entry>,
     large: Vec<Entry>,
-    /// Balls that were inserted since these were sorted, as a chain for each cell, and the last of each chain.
-    inserted: Vec<Inserted>,
-    lasts: Vec<u32>,
-    /// The same for those too large for the cells.
-    inserted_large: Vec<u32>,
+    inserted: Box<Insertions>,
     touching: Vec<(u32, u32)>,
 }
 
@@ -58,6 +54,17 @@ struct Entry {
     position: DVec2,
     radius: f64,
     index: u32,
+}
+
+/// Balls that were inserted since others were sorted.
+#[derive(Debug, Clone, Default)]
+struct Insertions {
+    /// A chain for each cell.
+    chained: Vec<Inserted>,
+    /// The last of each chain.
+    lasts: Vec<u32>,
+    /// Those too large for the cells.
+    large: Vec<u32>,
 }
 
 /// A ball in a cell to which it was not sorted, and the one before it there.
@@ -118,9 +125,7 @@ impl Grid {
             cell_of: Vec::new(),
             sorted: Vec::new(),
             large: Vec::new(),
-            inserted: Vec::new(),
-            lasts: Vec::new(),
-            inserted_large: Vec::new(),
+            inserted: Box::default(),
             touching: Vec::new(),
         }
     }
@@ -214,9 +219,10 @@ impl Grid {
         self.starts.resize(self.columns * self.rows + 1, 0);
         self.cell_of.clear();
         self.large.clear();
-        self.inserted.clear();
-        self.lasts.clear();
-        self.inserted_large.clear();
+        let Insertions { chained, lasts, large } = &mut *self.inserted;
+        chained.clear();
+        lasts.clear();
+        large.clear();
         for (index, disc) in discs.iter().enumerate() {
             if disc.radius() > self.reach {
                 self.cell_of.push(NO_CELL);
@@ -301,26 +307,27 @@ impl Grid {
 
     /// Inserts a disc, or one that has moved at its new place; where it was sorted to it stays, too.
     pub(super) fn insert(&mut self, index: u32, disc: &impl Disc) {
+        let Insertions { chained, lasts, large } = &mut *self.inserted;
         if disc.radius() > self.reach {
-            self.inserted_large.push(index);
+            large.push(index);
             return;
         }
-        self.lasts.resize(self.columns * self.rows, NONE);
+        lasts.resize(self.columns * self.rows, NONE);
         let centre = disc.centre() * self.density;
         let cell = wrap(centre.y, self.rows) * self.columns + wrap(centre.x, self.columns);
-        let before = std::mem::replace(&mut self.lasts[cell], self.inserted.len() as u32);
-        self.inserted.push(Inserted { index, before });
+        let before = std::mem::replace(&mut lasts[cell], chained.len() as u32);
+        chained.push(Inserted { index, before });
     }
 
     /// Calls `visit` with each disc, sorted or inserted, that may touch one of `radius` about `centre`, and others.
     pub(super) fn for_each_near(&self, centre: DVec2, radius: f64, mut visit: impl FnMut(u32)) {
         self.large.iter().for_each(|entry| visit(entry.index));
-        self.inserted_large.iter().for_each(|&index| visit(index));
+        self.inserted.large.iter().for_each(|&index| visit(index));
         self.reached(centre, radius, |cell| {
             self.in_cell(cell).iter().for_each(|entry| visit(entry.index));
-            let mut last = self.lasts.get(cell).copied().unwrap_or(NONE);
+            let mut last = self.inserted.lasts.get(cell).copied().unwrap_or(NONE);
             while last != NONE {
-                let Inserted { index, before } = self.inserted[last as usize];
+                let Inserted { index, before } = self.inserted.chained[last as usize];
                 visit(index);
                 last = before;
             }

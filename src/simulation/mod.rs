@@ -1,6 +1,7 @@
 //! The physics: balls in a world, moved on by a solver.
 //!
-//! It imports glam and `std` and nothing else: no clock, no random numbers, no files, no window. Whoever owns a
+//! It imports glam and `std` and nothing else: no clock, no random numbers, no files, no window; with the feature
+//! `parallel` one file of it, `contact/team.rs`, imports rayon. Whoever owns a
 //! [`Simulation`] measures the time and hands it to [`Simulation::advance`], the only door into time.
 
 mod ball;

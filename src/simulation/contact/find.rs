@@ -352,7 +352,9 @@ impl Near {
             let bodies = &bodies[start..start + layout.count(number, bodies.len())];
             let Stripe { pairs, holds, held, close, heights, .. } = &mut *stripe;
             if layout.is_cut() {
-                gathered.iter().for_each(|gathered| pairs.extend_from_slice(&gathered.parted[number]));
+                for part in gathered {
+                    pairs.extend_from_slice(&part.parted[number]);
+                }
             }
             if any_fixed {
                 let fixed = |at: u32| rests[start + at as usize].weight == 0.0;
@@ -369,9 +371,9 @@ impl Near {
             stripe.weigh_all(bodies);
         });
         self.found = stripes.iter().map(|stripe| stripe.pairs.len()).sum();
-        for number in layout.first_of(Layer::Seams)..stripes.len() {
+        for (number, stripe) in stripes.iter().enumerate().skip(layout.first_of(Layer::Seams)) {
             let start = layout.start(number);
-            for pair in &stripes[number].pairs {
+            for pair in &stripe.pairs {
                 let pair = pair.from(start);
                 (crossing[pair.first as usize], crossing[pair.second as usize]) = (true, true);
             }

@@ -57,10 +57,28 @@ pub(super) struct Fate {
     /// Whether it is too slow to hit firmly those that it presses on.
     slow: bool,
     pub(super) fast: bool,
-    /// Whether it was hit after the substep's beginning: until its end it stands where it would have come from.
-    pub(super) shifted: bool,
-    /// The same if it is fast, or was hit by a fast one: that is far away.
-    pub(super) far: bool,
+    pub(super) shift: Shift,
+}
+
+/// Where a body stands that was hit after the substep's beginning: until its end where it would have come from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Shift {
+    /// Where it is, or near to it.
+    #[default]
+    None,
+    /// Elsewhere.
+    Some,
+    /// Far away: it is fast, or was hit by a fast one.
+    Far,
+}
+
+impl Shift {
+    /// At least `other`, where that is so.
+    fn raise(&mut self, other: Self, so: bool) {
+        if so {
+            *self = other.max(*self);
+        }
+    }
 }
 
 /// How often bodies may be hit.
@@ -176,7 +194,7 @@ impl Stage<'_> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn foresee_wall(&mut self, spot: Spot, stripes: &Stripes<'_>) {
         let body = beside(spot, stripes);
         let fate = self.fates[body];
@@ -268,10 +286,11 @@ impl Stage<'_> {
                 let moved = [i, j].map(|body| (self.bodies[body].inverse_mass > 0.0).then_some(body));
                 for body in moved.into_iter().flatten() {
                     let fate = &mut self.fates[body];
-                    fate.shifted |= meeting.time * meeting.speed > SHIFT * self.bodies[body].radius;
+                    fate.shift
+                        .raise(Shift::Some, meeting.time * meeting.speed > SHIFT * self.bodies[body].radius);
                     fate.slow = false;
                     self.note(body, event.time);
-                    self.fates[body].far |= fast;
+                    self.fates[body].shift.raise(Shift::Far, fast);
                 }
                 moved
             }
@@ -281,7 +300,7 @@ impl Stage<'_> {
                 let Some(met) = meet_walls(self.setting, &mut self.bodies[body], &beside, self.tally) else {
                     return [None; 2];
                 };
-                self.fates[body].shifted |= met.shifts;
+                self.fates[body].shift.raise(Shift::Some, met.shifts);
                 let time = met.time.max(self.fates[body].time);
                 self.note(body, time);
                 [Some(body), None]
@@ -304,9 +323,9 @@ impl Stage<'_> {
         let fate = &mut fates[at];
         fate.hits += 1;
         fate.time = time;
-        fate.far |= fate.fast;
+        let was_fast = fate.fast;
         fate.fast = is_fast(setting, &bodies[at]);
-        fate.far |= fate.fast;
+        fate.shift.raise(Shift::Far, was_fast || fate.fast);
         if fate.fast && limits.ended {
             end(setting, &mut bodies[at], time);
         }

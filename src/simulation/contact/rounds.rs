@@ -55,7 +55,7 @@ impl Contact {
                     work.leave_all();
                 });
             }
-            self.round(Layer::Own, |work| work.take_own());
+            self.round(Layer::Own, take_own);
         }
         let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, .. } = self else {
             return;
@@ -121,42 +121,42 @@ impl Work<'_> {
             Stage::bodies_of(event, &stripes).into_iter().flatten().for_each(|body| self.left[body] = true);
         }
     }
+}
 
-    /// Takes the impacts that nothing outside the stripe can come into.
-    fn take_own(self) {
-        let Self { mut stage, stripe, homes, crossing, left } = self;
-        let (mut events, mut bodies) = (take(&mut stripe.left_events), take(&mut stripe.left_bodies));
-        events.clear();
-        bodies.clear();
-        if !stage.queue.is_empty() {
-            stripe.link(stage.bodies.len());
-        }
-        let mut stripes = alone(stripe);
-        while let Some(event) = stage.queue.pop() {
-            let met = Stage::bodies_of(&event, &stripes);
-            if !stage.still_holds(&event, met) {
-                continue;
-            }
-            let met = met.into_iter().flatten();
-            if met.clone().any(|body| left[body] || stage.fates[body].fast || stage.rests[body].asleep) {
-                met.for_each(|body| left[body] = true);
-                events.push(event);
-                continue;
-            }
-            let hit = stage.take(&event, &mut stripes);
-            for body in hit.into_iter().flatten() {
-                let covered = homes[body].covers(stage.bodies[body].end(stage.setting.substep));
-                if stage.fates[body].fast || crossing[body] || !covered {
-                    left[body] = true;
-                    bodies.push(body as u32);
-                }
-            }
-            for body in hit.into_iter().flatten().filter(|&body| !left[body]) {
-                stage.foresee(body, &mut stripes);
-            }
-        }
-        (stripe.left_events, stripe.left_bodies) = (events, bodies);
+/// Takes the impacts that nothing outside the stripe can come into.
+fn take_own(work: Work<'_>) {
+    let Work { mut stage, stripe, homes, crossing, left } = work;
+    let (mut events, mut bodies) = (take(&mut stripe.left_events), take(&mut stripe.left_bodies));
+    events.clear();
+    bodies.clear();
+    if !stage.queue.is_empty() {
+        stripe.link(stage.bodies.len());
     }
+    let mut stripes = alone(stripe);
+    while let Some(event) = stage.queue.pop() {
+        let met = Stage::bodies_of(&event, &stripes);
+        if !stage.still_holds(&event, met) {
+            continue;
+        }
+        let met = met.into_iter().flatten();
+        if met.clone().any(|body| left[body] || stage.fates[body].fast || stage.rests[body].asleep) {
+            met.for_each(|body| left[body] = true);
+            events.push(event);
+            continue;
+        }
+        let hit = stage.take(&event, &mut stripes);
+        for body in hit.into_iter().flatten() {
+            let covered = homes[body].covers(stage.bodies[body].end(stage.setting.substep));
+            if stage.fates[body].fast || crossing[body] || !covered {
+                left[body] = true;
+                bodies.push(body as u32);
+            }
+        }
+        for body in hit.into_iter().flatten().filter(|&body| !left[body]) {
+            stage.foresee(body, &mut stripes);
+        }
+    }
+    (stripe.left_events, stripe.left_bodies) = (events, bodies);
 }
 
 /// A stripe as if it were all there is.

@@ -91,7 +91,7 @@ impl Layout {
     /// The stripe of a body, its seam and the rest.
     #[inline]
     pub(super) fn of_body(self, body: usize) -> impl Iterator<Item = usize> + use<> {
-        let numbers = [self.own_of(body), self.own + ((body >> self.shift) + 1) / 2, 2 * self.own + 1];
+        let numbers = [self.own_of(body), self.own + (body >> self.shift).div_ceil(2), 2 * self.own + 1];
         numbers.into_iter().take(if self.is_cut() { 3 } else { 1 })
     }
 
@@ -119,7 +119,7 @@ impl Layout {
     pub(super) fn number(self, body: usize, layer: Layer) -> usize {
         match layer {
             Layer::Own => self.own_of(body),
-            Layer::Seams => self.own + ((body >> self.shift) + 1) / 2,
+            Layer::Seams => self.own + (body >> self.shift).div_ceil(2),
             Layer::Rest => 2 * self.own + 1,
         }
     }
@@ -159,11 +159,11 @@ impl Layout {
     }
 
     /// Items, one a body, as the stripes of a layer have them.
-    pub(super) fn share<'a, T>(
+    pub(super) fn share<T>(
         self,
         layer: Layer,
-        items: &'a mut [T],
-    ) -> impl Iterator<Item = &'a mut [T]> + use<'a, T> {
+        items: &mut [T],
+    ) -> impl Iterator<Item = &mut [T]> + use<'_, T> {
         let (first, length) = self.first_and_length(layer, items.len());
         let (first, others) = items.split_at_mut(first);
         let none_first = first.is_empty();
@@ -171,11 +171,7 @@ impl Layout {
     }
 
     /// The same for items that are only read.
-    pub(super) fn share_read<'a, T>(
-        self,
-        layer: Layer,
-        items: &'a [T],
-    ) -> impl Iterator<Item = &'a [T]> + use<'a, T> {
+    pub(super) fn share_read<T>(self, layer: Layer, items: &[T]) -> impl Iterator<Item = &[T]> + use<'_, T> {
         let (first, length) = self.first_and_length(layer, items.len());
         let (first, others) = items.split_at(first);
         let none_first = first.is_empty();

@@ -10,7 +10,7 @@
 use glam::DVec2;
 
 use super::find::{Beside, Hold, Pair};
-use super::impacts::Fate;
+use super::impacts::{Fate, Shift};
 use super::sleep::Rest;
 use super::stripes::{Layer, Stripe, of_layer};
 use super::{Body, Contact, Setting};
@@ -121,14 +121,14 @@ impl Stripe {
             if idle[at] || apart {
                 continue;
             }
-            let (first, second) = (&fates[pair.first as usize], &fates[pair.second as usize]);
+            let shift = fates[pair.first as usize].shift.max(fates[pair.second as usize].shift);
             let carried = hold.impulse;
             // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
-            let torn = first.far || second.far;
+            let torn = shift == Shift::Far;
             if torn && hold.impulse > 0.0 {
                 let_go(bodies, *pair, hold);
             }
-            let near = !torn && take_up(setting, bodies, *pair, hold, first.shifted || second.shifted);
+            let near = !torn && take_up(setting, bodies, *pair, hold, shift == Shift::Some);
             if near {
                 touching.push(at as u32);
             }
