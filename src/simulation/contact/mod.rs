@@ -173,7 +173,7 @@ impl Contact {
             restitutions: balls.iter().map(|ball| ball.restitution).collect(),
             ids: (0..balls.len() as u32).collect(),
             near: (pairs || world.walls.is_some()).then(Near::default),
-            team: Team::new(tuning.threads as usize),
+            team: Team::new(tuning.threads),
             pairs,
             held: Vec::new(),
             course: Course::default(),
@@ -381,7 +381,9 @@ impl Advance for Contact {
                     bodies.map(|(at, body)| (body.position, self.velocity_between(at))).collect();
                 self.before = before;
             }
-            let team = self.team.clone();
+            // One stripe is not worth waking threads for.
+            let team =
+                if Layout::of(self.bodies.len()).is_cut() { self.team.clone() } else { Team::default() };
             team.gather(|| self.step(frame.tally));
             stopped = !go_on();
         }
