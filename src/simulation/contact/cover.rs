@@ -3,7 +3,8 @@
 use glam::DVec2;
 
 use super::find::{FEW, Home, Near, Pair, Reach, in_cells, is_clear};
-use super::stripes::{Layer, Stripe, of_layer};
+use super::layout::Layer;
+use super::stripes::{Stripe, of_layer};
 use super::team::Team;
 use super::{Body, Setting};
 
@@ -35,7 +36,7 @@ impl Near {
         if bodies.len() <= FEW || left > many {
             return false;
         }
-        for number in 0..layout.first_of(Layer::Seams) {
+        for number in 0..layout.numbers(Layer::Own).end {
             if self.stripes[number].leaving == 0 {
                 continue;
             }

@@ -6,9 +6,10 @@
 use glam::{DVec2, Vec2Swizzles};
 
 use super::super::grid::{Disc, Grid, touch};
+use super::layout::{Layer, Layout};
 use super::order::{Kept, Known};
 use super::sleep::Rest;
-use super::stripes::{Layer, Layout, Stripe, Stripes, clear_all};
+use super::stripes::{Stripe, Stripes, clear_all};
 use super::team::Team;
 use super::{Body, Setting};
 
@@ -321,7 +322,7 @@ impl Near {
         }
         grid.sort_into_cells(discs);
         let (layout, grid) = (*layout, &*grid);
-        let pieces = layout.first_of(Layer::Seams);
+        let pieces = layout.numbers(Layer::Own).end;
         let rows = grid.rows().div_ceil(pieces);
         gathered.resize_with(pieces + 1, Gathered::default);
         team.each(gathered.iter_mut().enumerate(), |(piece, Gathered { pairs, parted })| {
@@ -371,7 +372,7 @@ impl Near {
             stripe.weigh_all(bodies);
         });
         self.found = stripes.iter().map(|stripe| stripe.pairs.len()).sum();
-        for (number, stripe) in stripes.iter().enumerate().skip(layout.first_of(Layer::Seams)) {
+        for (number, stripe) in stripes.iter().enumerate().skip(layout.numbers(Layer::Own).end) {
             let start = layout.start(number);
             for pair in &stripe.pairs {
                 let pair = pair.from(start);

@@ -15,6 +15,7 @@
 mod cover;
 mod find;
 mod impacts;
+mod layout;
 mod meeting;
 mod order;
 mod rounds;
@@ -32,9 +33,10 @@ use super::grid::Grid;
 use super::world::{Pairs, World};
 use super::{Advance, Frame, Part, Tally, Tuning};
 use find::{Cargo, Near};
+use layout::{Layer, Layout};
 use rounds::Course;
 use sleep::Rest;
-use stripes::{Layer, Layout, of_layer};
+use stripes::of_layer;
 use team::Team;
 
 /// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; a multiple of that where gravity is strong.

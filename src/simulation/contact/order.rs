@@ -4,7 +4,8 @@ use glam::DVec2;
 
 use super::Body;
 use super::find::{Hold, Pair};
-use super::stripes::{Layout, Stripe};
+use super::layout::Layout;
+use super::stripes::Stripe;
 
 /// The height of a layer, in the smallest radius.
 const LAYER: f64 = 0.25;

@@ -11,7 +11,8 @@ use std::mem::take;
 
 use super::find::{Home, Near};
 use super::impacts::{Event, Fate, Limits, Stage};
-use super::stripes::{Layer, Layout, Stripe, Stripes, of_layer};
+use super::layout::{Layer, Layout};
+use super::stripes::{Stripe, Stripes, of_layer};
 use super::{Contact, Tally};
 
 /// What is known of the bodies' impacts in a substep.
@@ -169,7 +170,7 @@ fn second_round(mut stage: Stage<'_>, near: &mut Near) {
     let (layout, count) = (near.layout, stage.bodies.len());
     if layout.is_cut() {
         stage.queue.clear();
-        let seams = layout.first_of(Layer::Seams);
+        let seams = layout.numbers(Layer::Own).end;
         for (number, stripe) in near.stripes[..seams].iter().enumerate() {
             stage.tally.add(&stripe.tally);
             stage.queue.extend(stripe.left_events.iter().map(|event| event.of_stripe(number)));
@@ -192,7 +193,7 @@ fn second_round(mut stage: Stage<'_>, near: &mut Near) {
         near.link_pairs(count);
     }
     if layout.is_cut() {
-        for number in 0..layout.first_of(Layer::Seams) {
+        for number in 0..layout.numbers(Layer::Own).end {
             for at in 0..near.stripes[number].left_bodies.len() {
                 let body = layout.start(number) + near.stripes[number].left_bodies[at] as usize;
                 near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);

@@ -11,8 +11,9 @@ use glam::DVec2;
 
 use super::find::{Beside, Hold, Pair};
 use super::impacts::{Fate, Shift};
+use super::layout::Layer;
 use super::sleep::Rest;
-use super::stripes::{Layer, Stripe, of_layer};
+use super::stripes::{Stripe, of_layer};
 use super::{Body, Contact, Setting};
 
 /// Pairs farther apart than this part of their radii, and not closing in, are left out of a substep.
