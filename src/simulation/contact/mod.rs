@@ -4,10 +4,13 @@
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `order`; of
 //!    single balls `cover`);
-//! 3. balls that meet exchange momentum at their time of impact (`impacts`, `meeting`, `walls`);
+//! 3. balls that meet exchange momentum at their time of impact (`rounds`, `impacts`, `meeting`,
+//!    `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps (`support`);
 //! 5. balls move (`Contact::travel`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`).
+//!
+//! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`).
 //!
 //! Velocities are those half-way between two positions (leapfrog), so that a ball at rest has none. Frames evaluate the
 //! substeps and never write back, so the result does not depend on how time is cut into frames.

@@ -66,7 +66,7 @@ impl Contact {
         second_round(Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits }, near);
     }
 
-    /// Works on each stripe of a layer that has pairs or walls.
+    /// Works on each stripe of a layer by itself.
     fn round(&mut self, layer: Layer, work: impl Fn(Work<'_>) + Sync + Send) {
         let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, team, .. } = self
         else {
