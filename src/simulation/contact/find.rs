@@ -27,7 +27,7 @@ const SEARCHES_PER_ORDER: u32 = 16;
 const MISFIT: f64 = 1.25;
 
 /// What the last search found.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Near {
     pub(super) layout: Layout,
     /// The pairs, and what is beside walls.
@@ -55,7 +55,7 @@ pub(super) struct Near {
 }
 
 /// The pairs that a part of the cells gave.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 struct Gathered {
     pairs: Vec<Pair>,
     /// The same by the numbers of their stripes.

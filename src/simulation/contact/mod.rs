@@ -116,7 +116,7 @@ struct Setting {
 }
 
 /// The solver.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Contact {
     setting: Setting,
     tuning: Tuning,

@@ -11,7 +11,7 @@ use super::stripes::Stripe;
 const LAYER: f64 = 0.25;
 
 /// Room for sorting pairs by height.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Heights {
     starts: Vec<u32>,
     /// The place of each ball in the order of heights.
@@ -77,7 +77,7 @@ fn sum_up(counts: &mut [u32]) {
 }
 
 /// The pairs of each ball, as chains: a pair more is soon added.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Links {
     /// The last link of each ball's chain. A link is twice its pair's place, and one more for the second ball.
     lasts: Vec<u32>,
@@ -140,7 +140,7 @@ impl Link {
 }
 
 /// A set of balls that is soon emptied.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Known {
     /// When each ball was last added.
     stamps: Vec<u64>,
@@ -161,7 +161,7 @@ impl Known {
 }
 
 /// What held balls when pairs were searched anew.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Kept {
     /// Where the holds begin whose lower index is a ball's; one more than there are balls. Empty where nothing was held.
     starts: Vec<u32>,

@@ -16,7 +16,7 @@ use super::stripes::{Stripe, Stripes, of_layer};
 use super::{Contact, Tally};
 
 /// What is known of the bodies' impacts in a substep.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Course {
     /// For each body.
     pub(super) fates: Vec<Fate>,

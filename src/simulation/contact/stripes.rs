@@ -13,7 +13,7 @@ use super::{Body, DVec2};
 const NOWHERE: u32 = u32::MAX;
 
 /// Pairs of a range of bodies, by the places of these within it, and what is known of them.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Stripe {
     /// Where there is gravity, the first is the upper one, and pairs stand in the order of its height, from the lowest up,
     /// before those that were added since.
