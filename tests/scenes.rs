@@ -151,7 +151,7 @@ const WRONG: &[(&str, usize, &str)] = &[
     ("gravity = [0, 1, 2]", 1, "expected two numbers, such as [30, 50]"),
     ("gravity = [0, nan]", 1, "gravity is NaN px/s²; it must be from -1e9 to 1e9 px/s²"),
     ("size = [0, 720]", 1, "size is 0 px; it must be from 1 to 1e6 px"),
-    ("size = [1280.5, 720]", 1, "write whole numbers of px"),
+    ("size = [1280, 0.5]", 1, "size is 0.5 px; it must be from 1 to 1e6 px"),
     (
         "solver = \"magic\"",
         1,
@@ -187,6 +187,11 @@ const WRONG: &[(&str, usize, &str)] = &[
     (
         "size = [100, 50]\n[[ball]]\nposition = [1, 2]\nradius = 26",
         4,
+        "larger than the world (100x50 px); write at most 25",
+    ),
+    (
+        "size = [100, 50]\n[walls]\n[[ball]]\nposition = [1, 2]\nradius = 26\nwide = true",
+        5,
         "larger than the world (100x50 px); write at most 25",
     ),
     ("[[ball]]\nposition = [1, 2]\nradius = 3\nradius = 4", 4, "duplicate key"),

@@ -13,7 +13,7 @@ use super::rain::{RAIN_RATE, Rain};
 use super::values::{Corners, Count, Interval, Number, Pair};
 use super::{DEFAULT_SIZE, Scene};
 use crate::simulation::limits::{
-    COORDINATE, GRAVITY, MASS, MAX_BALLS, OutOfRange, Quantity, RADIUS, RESTITUTION, SIZE, VELOCITY,
+    COORDINATE, GRAVITY, MASS, MAX_BALLS, Quantity, RADIUS, RESTITUTION, SIZE, VELOCITY,
 };
 use crate::simulation::{Ball, Pairs, Solver, UnknownSolver, World};
 
@@ -110,6 +110,8 @@ struct BallTable {
     mass: Option<Spanned<Number>>,
     restitution: Option<Spanned<Number>>,
     fixed: Option<bool>,
+    /// Whether it is meant to be wider than the world, where there are no walls that it has to fit between.
+    wide: Option<bool>,
 }
 
 #[derive(Deserialize)]
@@ -157,7 +159,7 @@ impl File {
         };
         let size = match &self.size {
             None => DEFAULT_SIZE,
-            Some(size) => size.checked(whole_size)?,
+            Some(size) => size.checked(|Pair(size)| SIZE.check_vector(size))?,
         };
         let mut world = World::new(size).map_err(|error| At { offset: None, message: error.to_string() })?;
         if let Some(gravity) = &self.gravity {
@@ -176,8 +178,11 @@ impl File {
         }
         let mut balls = Vec::with_capacity(self.balls.len());
         for table in &self.balls {
-            let ball = table.get_ref().ball()?;
-            check_width(table.get_ref().radius.span(), ball.radius(), size)?;
+            let table = table.get_ref();
+            let ball = table.ball()?;
+            if self.walls.is_some() || table.wide != Some(true) {
+                check_width(table.radius.span(), ball.radius(), size)?;
+            }
             balls.push(ball);
         }
         let mut fills = Vec::with_capacity(self.fills.len());
@@ -296,15 +301,6 @@ const FIXED_WEIGHS: &str =
 /// A number that may be left out, in the range of `quantity`.
 fn optional(number: Option<&Spanned<Number>>, quantity: &'static Quantity, default: f64) -> Result<f64, At> {
     number.map_or(Ok(default), |number| number.checked(|Number(value)| quantity.check(value)))
-}
-
-fn whole_size(Pair(size): Pair) -> Result<DVec2, String> {
-    let size = SIZE.check_vector(size).map_err(|error: OutOfRange| error.to_string())?;
-    if size == size.trunc() {
-        Ok(size)
-    } else {
-        Err(format!("size is [{}, {}]; write whole numbers of px, such as [1280, 720]", size.x, size.y))
-    }
 }
 
 fn check_width(span: Range<usize>, radius: f64, size: DVec2) -> Result<(), At> {

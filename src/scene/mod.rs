@@ -10,6 +10,7 @@ mod fill;
 mod listing;
 mod rain;
 mod values;
+mod write;
 
 use std::fs::File;
 use std::io::Read;
@@ -23,15 +24,17 @@ pub use fill::Fill;
 pub(crate) use fill::{filling, like_the_last};
 pub use listing::Listing;
 pub use rain::Rain;
+pub use write::write;
 
+use crate::simulation::limits::MAX_BALLS;
 use crate::simulation::{Ball, Simulation, Solver, World};
 
 /// The world's size where a scene does not give one, px.
 pub const DEFAULT_SIZE: DVec2 = DVec2::new(1280.0, 720.0);
 /// The scene that the program opens with.
 pub const DEFAULT_SCENE: &str = "gravity";
-/// The longest scene file: ten million balls need about this much.
-const LONGEST_FILE: u64 = 1 << 30;
+/// The longest scene file: room for as many balls as there may be, however many digits they have.
+const LONGEST_FILE: u64 = MAX_BALLS as u64 * write::LONGEST_BALL;
 
 /// A scene: a world, balls, random fills, and the solver that suits them.
 ///
@@ -158,7 +161,7 @@ impl Scene {
         }
         if let Some((count, seed)) = self.added {
             let total = balls.len().saturating_add(count);
-            if total > crate::simulation::limits::MAX_BALLS {
+            if total > MAX_BALLS {
                 return Err(crate::BuildError::TooManyBalls { count: total }.into());
             }
             let added = filling(count, &self.world, &balls, seed).place(&self.world, &balls, ADDED_STREAM);

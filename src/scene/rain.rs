@@ -38,6 +38,11 @@ impl Rain {
         Self { fill, rate, time: (0.0, 0.0), spells: 0, in_vain: 0 }
     }
 
+    /// What a file says of it: what the balls are like, and their rate.
+    pub(super) fn written(&self) -> (&Fill, f64) {
+        (&self.fill, self.rate)
+    }
+
     /// Moves a simulation on by up to `seconds`, as [`Simulation::advance_while`] does, and lets balls fall in when it
     /// is their time.
     ///
