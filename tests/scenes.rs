@@ -64,6 +64,60 @@ fn added_balls_are_the_same_for_the_same_seed() {
     assert_ne!(balls(7), balls(8));
 }
 
+/// Everything that may be random, two fills of one seed among it.
+const RANDOM: &str = "[walls]\n[pairs]\n[[ball]]\nposition = [30, 40]\nradius = 5\n\
+                      [[fill]]\ncount = 20\nradius = [3, 6]\nspeed = [0, 9]\n\
+                      [[fill]]\ncount = 20\nradius = [3, 6]\nspeed = [0, 9]\n\
+                      [rain]\nrate = 100\nradius = [2, 4]\n";
+
+#[test]
+fn a_reseeded_scene_has_other_random_balls_in_all_of_its_parts_the_same_for_the_same_seed() {
+    let scene = || Scene::parse("it", RANDOM).unwrap().with_added(20, Some(3));
+    // One ball of the file's, two fills, added ones, and what has rained in.
+    let parts = |scene: Scene| -> Vec<Vec<carom::Ball>> {
+        let (mut simulation, mut rain) = (scene.build().unwrap(), scene.rain().unwrap());
+        let start = simulation.balls().to_vec();
+        rain.advance_while(&mut simulation, 1.0, || true).unwrap();
+        let rained = simulation.balls()[61..].to_vec();
+        [&start[..1], &start[1..21], &start[21..41], &start[41..61], &rained].map(<[_]>::to_vec).into()
+    };
+    let (own, one, other) = (parts(scene()), parts(scene().reseeded(7)), parts(scene().reseeded(8)));
+    assert_eq!(one, parts(scene().reseeded(7)));
+    assert_eq!(one, parts(scene().reseeded(99).reseeded(7)), "whatever the seeds before");
+    assert!(own[0] == one[0] && one[0] == other[0]);
+    for part in 1..5 {
+        assert_eq!(own[part].len(), one[part].len());
+        assert!(own[part] != one[part] && one[part] != other[part], "part {part}");
+    }
+    let radii = |balls: &[carom::Ball]| balls.iter().map(carom::Ball::radius).collect::<Vec<f64>>();
+    assert_ne!(radii(&one[1]), radii(&one[2]), "each fill has a seed of its own");
+}
+
+#[test]
+fn scenes_say_whether_anything_of_them_is_random_and_those_without_stay_as_they_are() {
+    let random: Vec<_> = ["pile", "rain", "gas", "galton"].into();
+    for name in scene::names() {
+        let scene = Scene::load(name).unwrap();
+        assert_eq!(scene.has_random_parts(), random.contains(&name), "{name}");
+        if !random.contains(&name) {
+            assert_eq!(scene.clone().reseeded(5), scene);
+        }
+        assert!(scene.clone().with_added(1, None).has_random_parts());
+        assert_eq!(scene.clone().with_added(0, None).has_random_parts(), scene.has_random_parts());
+    }
+    assert!(!Scene::parse("it", "[[fill]]\ncount = 0\nradius = 3\n").unwrap().has_random_parts());
+}
+
+#[test]
+fn built_in_scenes_find_room_for_their_balls_with_other_seeds() {
+    for name in ["pile", "gas", "galton"] {
+        for seed in 0..20 {
+            let built = Scene::load(name).unwrap().reseeded(seed).build();
+            assert!(built.is_ok(), "{name} with seed {seed}: {}", built.unwrap_err());
+        }
+    }
+}
+
 #[test]
 fn numbers_may_be_written_with_and_without_a_point_and_defaults_hold() {
     let scene = Scene::parse(

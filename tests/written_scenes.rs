@@ -209,7 +209,7 @@ fn rain_reads_back_and_is_cut_to_a_smaller_world() {
 
 #[test]
 fn any_seed_of_rain_that_a_file_may_have_reads_back() {
-    for seed in [0, 1, i64::MAX as u64] {
+    for seed in [0, 1, u64::MAX] {
         let text = RAIN.replace("seed = 9", &format!("seed = {seed}"));
         let (scene, simulation) = read(&text);
         assert_eq!(read(&scene::write(&simulation, scene.rain().as_ref(), "")).0.rain(), scene.rain());

@@ -115,6 +115,11 @@ impl Fill {
     }
 }
 
+/// Seeds that have nothing to do with each other, the same for the same `seed`.
+pub(super) fn seeds(seed: u64) -> impl Iterator<Item = u64> {
+    ChaCha8Rng::seed_from_u64(seed).random_iter()
+}
+
 /// Random balls for a world, of the material of its last free ball, small enough to find room: what `--balls` and the
 /// window's keys add.
 pub(crate) fn filling(count: usize, world: &World, balls: &[Ball], seed: u64) -> Fill {

@@ -105,6 +105,28 @@ impl Scene {
         Self { added: Some((count, seed.unwrap_or(file::SEED_DEFAULT))), ..self }
     }
 
+    /// The same scene with other random balls: fills, rain and added balls are all drawn anew, the same for the same
+    /// seed. Where [nothing is random](Self::has_random_parts) it is the same scene.
+    ///
+    /// A fill so dense that it fits by chance may not fit with another seed, which [`build`](Self::build) then tells.
+    #[must_use]
+    pub fn reseeded(self, seed: u64) -> Self {
+        let mut seeds = fill::seeds(seed);
+        let mut next = || seeds.next().unwrap_or(seed);
+        // In this order, so that what is added to a scene changes nothing of the scene itself.
+        let fills = self.fills.into_iter().map(|fill| Fill { seed: next(), ..fill }).collect();
+        let rain = self.rain.map(|rain| rain.reseeded(next()));
+        let added = self.added.map(|(count, _)| (count, next()));
+        Self { fills, rain, added, ..self }
+    }
+
+    /// Whether some of its balls are random: whether another seed would make it another scene.
+    #[must_use]
+    pub fn has_random_parts(&self) -> bool {
+        let mut drawn = self.fills.iter().map(|fill| fill.count).chain(self.added.map(|(count, _)| count));
+        self.rain.is_some() || drawn.any(|count| count > 0)
+    }
+
     /// The name to show: a built-in scene's own, or the file's without folder and ending.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -38,6 +38,11 @@ impl Rain {
         Self { fill, rate, time: (0.0, 0.0), spells: 0, in_vain: 0 }
     }
 
+    /// The same rain from its beginning, of other balls.
+    pub(super) fn reseeded(self, seed: u64) -> Self {
+        Self::new(Fill { seed, ..self.fill }, self.rate)
+    }
+
     /// What a file says of it: what the balls are like, and their rate.
     pub(super) fn written(&self) -> (&Fill, f64) {
         (&self.fill, self.rate)
