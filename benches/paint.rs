@@ -5,10 +5,12 @@
 //!   On as many cores as the painter likes; `taskset -c 0` before the command shows one core alone.
 //! - `repaint`: as the window paints: fifteen balls of which all, or one, have moved by a pixel, and none.
 //! - `clear`: the background alone.
+//! - `animate`: a frame of a GIF, encoded and thrown away, in which all balls have moved: what a recording costs its thread;
+//!   and `copy`, what it costs the window.
 
 use std::time::Duration;
 
-use carom::paint::{self, BACKGROUND, BALL, Painter, fill_disc};
+use carom::paint::{self, Animation, BACKGROUND, BALL, Painter, fill_disc};
 use carom::{Ball, DVec2, Simulation, Solver, World};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tiny_skia::Pixmap;
@@ -104,12 +106,34 @@ fn changes(criterion: &mut Criterion) {
     }
 }
 
+fn animate(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("animate");
+    for (count, radius) in [(15, 30.0), (1000, 10.0), (10_000, 3.0)] {
+        let pictures = [0.0, 1.0].map(|moved| {
+            paint::picture(&balls(count, (radius, radius), 0, moved)).expect("the size is right")
+        });
+        let (width, height) = (pictures[0].width(), pictures[0].height());
+        let mut animation = Animation::new(std::io::sink(), width, height).expect("the size is right");
+        let (mut frames, mut time) = (pictures.iter().cycle(), 0.0);
+        group.bench_function(BenchmarkId::new("gif", format!("{count} x r {radius}")), |bencher| {
+            bencher.iter(|| {
+                time += 0.02;
+                frames.next().map(|picture| animation.add(time, picture))
+            });
+        });
+    }
+    let (picture, mut copy) = (blank(), blank());
+    group.bench_function("copy", |bencher| {
+        bencher.iter(|| copy.data_mut().copy_from_slice(std::hint::black_box(picture.data())));
+    });
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default()
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    targets = all, changes
+    targets = all, changes, animate
 }
 criterion_main!(benches);

@@ -2,8 +2,7 @@
 //!
 //! A GIF counts time in hundredths of a second, and browsers slow down anything that is shown for less than two of
 //! them; so frames that come sooner are left out, and each of the others is shown until the next by the rounded
-//! difference of their absolute times: no error adds up. Only what changed is stored, and the colours are the four of a
-//! picture with a few steps between each two for the edges, so files stay small.
+//! difference of their absolute times: no error adds up. Only what changed is stored, with the colours that are in that.
 
 use std::io::Write;
 
@@ -11,14 +10,8 @@ use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use thiserror::Error;
 use tiny_skia::Pixmap;
 
-use super::{BACKGROUND, BALL, CONTACT, Colour, FIXED};
+use super::palette::{Palette, Pixel};
 
-/// Steps between two colours at an antialiased edge.
-const EDGE_STEPS: u8 = 16;
-/// Steps between the background and the colours of two balls that meet.
-const MEETING_STEPS: u8 = 16;
-/// The same where one of them is fixed. There is room for fewer, and need: grey is near the background.
-const MEETING_STEPS_FIXED: u8 = 8;
 /// The index of the colour that leaves a pixel as it was.
 const UNCHANGED: u8 = 0;
 /// The least time that a frame is shown, in hundredths of a second.
@@ -40,15 +33,24 @@ pub enum AnimationError {
     Encoding(#[from] gif::EncodingError),
 }
 
+/// Whether what is seen at the second of these times, s, comes too soon after the first to be a frame of its own.
+pub(crate) fn is_too_soon(before: f64, now: f64) -> bool {
+    hundredths(now) < hundredths(before) + SHOWN_LEAST
+}
+
+fn hundredths(time: f64) -> u64 {
+    (time * 100.0).round() as u64
+}
+
 /// A GIF being written, frame by frame; it loops for ever when shown.
 pub struct Animation<W: Write> {
     encoder: Encoder<W>,
     palette: Palette,
     width: u16,
-    /// The picture as it is when all frames so far are shown.
-    shown: Vec<u8>,
-    /// The frame that waits to be told how long it is shown, and when it began.
-    waiting: Option<(Frame<'static>, u64)>,
+    /// The picture as it was painted when all frames so far are shown; empty before the first.
+    shown: Vec<Pixel>,
+    /// The frame that waits to be told how long it is shown, and when it began, s.
+    waiting: Option<(Frame<'static>, f64)>,
 }
 
 impl<W: Write> Animation<W> {
@@ -59,26 +61,25 @@ impl<W: Write> Animation<W> {
     pub fn new(writer: W, width: u32, height: u32) -> Result<Self, AnimationError> {
         let side =
             |length: u32| u16::try_from(length).map_err(|_| AnimationError::TooLarge { width, height });
-        let palette = Palette::new();
-        let mut encoder = Encoder::new(writer, side(width)?, side(height)?, &palette.bytes())?;
+        let mut encoder = Encoder::new(writer, side(width)?, side(height)?, &[])?;
         encoder.set_repeat(Repeat::Infinite)?;
-        Ok(Self { encoder, palette, width: side(width)?, shown: Vec::new(), waiting: None })
+        let (palette, shown) = (Palette::default(), Vec::new());
+        Ok(Self { encoder, palette, width: side(width)?, shown, waiting: None })
     }
 
-    /// Adds what is seen at `time` seconds, unless it comes too soon after the frame before or equals it.
+    /// Adds what is seen at `time` seconds, a picture of the animation's size, unless it comes too soon after the frame
+    /// before or equals it.
     ///
     /// # Errors
     /// [`AnimationError::Encoding`] where the frame before cannot be written.
     pub fn add(&mut self, time: f64, pixmap: &Pixmap) -> Result<(), AnimationError> {
-        let now = (time * 100.0).round() as u64;
-        if self.waiting.as_ref().is_some_and(|&(_, since)| now < since + SHOWN_LEAST) {
+        if self.waiting.as_ref().is_some_and(|&(_, since)| is_too_soon(since, time)) {
             return Ok(());
         }
-        let indices = self.palette.indices(pixmap);
-        let Some(frame) = self.difference(&indices) else { return Ok(()) };
-        self.write_waiting(now)?;
-        self.shown = indices;
-        self.waiting = Some((frame, now));
+        let (pixels, _) = pixmap.data().as_chunks();
+        let Some(frame) = self.difference(pixels) else { return Ok(()) };
+        self.write_waiting(time)?;
+        self.waiting = Some((frame, time));
         Ok(())
     }
 
@@ -87,20 +88,26 @@ impl<W: Write> Animation<W> {
     /// # Errors
     /// [`AnimationError::Encoding`] where the last frame cannot be written.
     pub fn finish(mut self, time: f64) -> Result<W, AnimationError> {
-        self.write_waiting((time * 100.0).round() as u64)?;
+        self.write_waiting(time)?;
         Ok(self.encoder.into_inner()?)
     }
 
-    fn write_waiting(&mut self, until: u64) -> Result<(), AnimationError> {
+    fn write_waiting(&mut self, until: f64) -> Result<(), AnimationError> {
         if let Some((mut frame, since)) = self.waiting.take() {
-            let mut left = until.saturating_sub(since).max(SHOWN_LEAST);
+            let mut left = hundredths(until).saturating_sub(hundredths(since)).max(SHOWN_LEAST);
             // A frame is shown for at most eleven minutes; another that changes nothing goes on from there.
             while left > u64::from(u16::MAX) {
                 frame.delay = u16::MAX - SHOWN_LEAST as u16;
                 left -= u64::from(frame.delay);
                 self.encoder.write_frame(&frame)?;
-                let (width, height, buffer) = (1, 1, vec![UNCHANGED].into());
-                frame = Frame { width, height, buffer, transparent: Some(UNCHANGED), ..Frame::default() };
+                frame = Frame {
+                    width: 1,
+                    height: 1,
+                    buffer: vec![UNCHANGED].into(),
+                    palette: Some(vec![0; 3]),
+                    transparent: Some(UNCHANGED),
+                    ..Frame::default()
+                };
             }
             frame.delay = left as u16;
             self.encoder.write_frame(&frame)?;
@@ -108,34 +115,30 @@ impl<W: Write> Animation<W> {
         Ok(())
     }
 
-    /// The smallest frame that turns what is shown into `indices`; `None` where they are the same.
-    fn difference(&self, indices: &[u8]) -> Option<Frame<'static>> {
+    /// The smallest frame that turns what is shown into `pixels`, which count as shown from then on; `None` where they are
+    /// the same.
+    fn difference(&mut self, pixels: &[Pixel]) -> Option<Frame<'static>> {
         let width = usize::from(self.width);
-        let rows = || indices.chunks_exact(width).zip(self.shown.chunks_exact(width));
-        if self.shown.is_empty() {
-            let height = (indices.len() / width) as u16;
-            return Some(Frame {
-                width: self.width,
-                height,
-                buffer: indices.to_vec().into(),
-                ..Frame::default()
-            });
+        let first = self.shown.is_empty();
+        if first {
+            // None of these is opaque, so that all pixels of a picture have changed.
+            self.shown.resize(pixels.len(), [0; 4]);
         }
-        let changed = |(new, old): (&[u8], &[u8])| new != old;
-        let top = rows().position(changed)?;
-        let bottom = indices.len() / width - rows().rev().position(changed)?;
-        let (mut left, mut right) = (width, 0);
-        for (new, old) in rows().take(bottom).skip(top) {
-            let differs = |(a, b): (&u8, &u8)| a != b;
-            if let Some(first) = new.iter().zip(old).position(differs) {
-                left = left.min(first);
-                right = right.max(width - new.iter().zip(old).rev().position(differs).unwrap_or(0));
-            }
+        let (left, top, right, bottom) = changed(pixels, &self.shown, width)?;
+        let rows = || (top..bottom).map(|row| row * width + left..row * width + right);
+        let Self { palette, shown, .. } = self;
+        palette.clear();
+        for row in rows() {
+            count(palette, &pixels[row.clone()], &shown[row]);
         }
+        let colours = palette.reduce();
         let mut buffer = Vec::with_capacity((bottom - top) * (right - left));
-        for (new, old) in rows().take(bottom).skip(top) {
-            let pixels = new[left..right].iter().zip(&old[left..right]);
-            buffer.extend(pixels.map(|(&new, &old)| if new == old { UNCHANGED } else { new }));
+        for row in rows() {
+            let (new, old) = (&pixels[row.clone()], &mut shown[row]);
+            let index =
+                |(new, old): (&Pixel, &Pixel)| if new == old { UNCHANGED } else { 1 + palette.find(*new) };
+            buffer.extend(new.iter().zip(&*old).map(index));
+            old.copy_from_slice(new);
         }
         Some(Frame {
             left: left as u16,
@@ -144,80 +147,201 @@ impl<W: Write> Animation<W> {
             height: (bottom - top) as u16,
             dispose: DisposalMethod::Keep,
             transparent: Some(UNCHANGED),
+            palette: Some([&[[0; 3]], &*colours].concat().as_flattened().to_vec()),
             buffer: buffer.into(),
             ..Frame::default()
         })
     }
 }
 
-/// The colours of an animation: the four of a picture, exactly, steps between each two, and between the background and
-/// each two others, for where the edges of two balls meet.
-struct Palette {
-    /// Index 0 is [`UNCHANGED`], whose colour is never seen.
-    colours: Vec<Colour>,
-    /// The nearest colour for the upper five bits of red, green and blue.
-    nearest: Vec<u8>,
+/// The smallest rectangle around all pixels in which two pictures of this width differ: left, top, right, bottom.
+fn changed(new: &[Pixel], old: &[Pixel], width: usize) -> Option<(usize, usize, usize, usize)> {
+    let rows = || new.chunks_exact(width).zip(old.chunks_exact(width));
+    let differs = |(new, old): (&[Pixel], &[Pixel])| new != old;
+    let top = rows().position(differs)?;
+    let bottom = new.len() / width - rows().rev().position(differs)?;
+    let (mut left, mut right) = (width, 0);
+    for (new, old) in rows().take(bottom).skip(top) {
+        let pixels = || new.iter().zip(old);
+        if let Some(first) = pixels().take(left).position(|(new, old)| new != old) {
+            left = first;
+        }
+        if let Some(last) = pixels().skip(right).rposition(|(new, old)| new != old) {
+            right += last + 1;
+        }
+    }
+    Some((left, top, right, bottom))
 }
 
-impl Palette {
-    fn new() -> Self {
-        let mut colours = vec![BACKGROUND, BACKGROUND, BALL, CONTACT, FIXED];
-        for (from, to) in [
-            (BACKGROUND, BALL),
-            (BACKGROUND, CONTACT),
-            (BALL, CONTACT),
-            (BACKGROUND, FIXED),
-            (BALL, FIXED),
-            (CONTACT, FIXED),
-        ] {
-            let part = |step| f64::from(step) / f64::from(EDGE_STEPS);
-            colours.extend((1..EDGE_STEPS).map(|step| from.towards(to, part(step))));
+/// Counts the pixels that differ, in runs of one colour.
+fn count(palette: &mut Palette, new: &[Pixel], old: &[Pixel]) {
+    let (mut run, mut length) = ([0; 4], 0);
+    for (&pixel, _) in new.iter().zip(old).filter(|(new, old)| new != old) {
+        if pixel == run {
+            length += 1;
+            continue;
         }
-        for (one, other, steps) in [
-            (BALL, CONTACT, MEETING_STEPS),
-            (BALL, FIXED, MEETING_STEPS_FIXED),
-            (CONTACT, FIXED, MEETING_STEPS_FIXED),
-        ] {
-            let part = |step| f64::from(step) / f64::from(steps);
-            for ones in 1..steps {
-                // As much of this as is left when there is some background.
-                let edge = |others| BACKGROUND.towards(other, part(others) / (1.0 - part(ones)));
-                colours.extend((1..steps - ones).map(|others| edge(others).towards(one, part(ones))));
+        if length > 0 {
+            palette.count(run, length);
+        }
+        (run, length) = (pixel, 1);
+    }
+    if length > 0 {
+        palette.count(run, length);
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use gif::{ColorOutput, DecodeOptions};
+    use glam::DVec2;
+    use tiny_skia::{Color, Paint, PremultipliedColorU8, Rect, Transform};
+
+    use super::*;
+    use crate::paint::{BACKGROUND, BALL, CONTACT, Colour, FIXED, fill_disc, paint};
+    use crate::simulation::{Ball, Pairs, Simulation, Solver, World};
+
+    /// The pictures of a GIF as they are seen, and for how long each, in hundredths of a second.
+    pub(crate) fn decode(bytes: &[u8]) -> Vec<(Pixmap, u16)> {
+        let mut options = DecodeOptions::new();
+        options.set_color_output(ColorOutput::RGBA);
+        let mut decoder = options.read_info(bytes).unwrap();
+        let mut seen = Pixmap::new(decoder.width().into(), decoder.height().into()).unwrap();
+        let mut pictures = Vec::new();
+        while let Some(frame) = decoder.read_next_frame().unwrap() {
+            let width = seen.width() as usize;
+            let (pixels, _) = seen.data_mut().as_chunks_mut::<4>();
+            let (buffer, _) = frame.buffer.as_chunks::<4>();
+            for (row, new) in buffer.chunks_exact(frame.width.into()).enumerate() {
+                let start = (usize::from(frame.top) + row) * width + usize::from(frame.left);
+                let old = &mut pixels[start..start + new.len()];
+                old.iter_mut().zip(new).filter(|(_, new)| new[3] > 0).for_each(|(old, new)| *old = *new);
             }
+            pictures.push((seen.clone(), frame.delay));
         }
-        let centre = |bits: usize| (bits & 31) as i32 * 8 + 4;
-        let nearest = (0..1 << 15).map(|bits: usize| {
-            let (red, green, blue) = (centre(bits >> 10), centre(bits >> 5), centre(bits));
-            let distance = |&Colour(r, g, b): &Colour| {
-                let square = |a: i32, b: u8| (a - i32::from(b)).pow(2);
-                square(red, r) + square(green, g) + square(blue, b)
-            };
-            let best = (1..colours.len()).min_by_key(|&index| distance(&colours[index]));
-            best.unwrap_or(1) as u8
-        });
-        let nearest = nearest.collect();
-        Self { colours, nearest }
+        pictures
     }
 
-    fn bytes(&self) -> Vec<u8> {
-        self.colours.iter().flat_map(|&Colour(red, green, blue)| [red, green, blue]).collect()
+    fn animate(pictures: &[(f64, Pixmap)], end: f64) -> Vec<(Pixmap, u16)> {
+        let (width, height) = (pictures[0].1.width(), pictures[0].1.height());
+        let mut animation = Animation::new(Vec::new(), width, height).unwrap();
+        for (time, picture) in pictures {
+            animation.add(*time, picture).unwrap();
+        }
+        decode(&animation.finish(end).unwrap())
     }
 
-    fn indices(&self, pixmap: &Pixmap) -> Vec<u8> {
-        let index = |pixel: &tiny_skia::PremultipliedColorU8| {
-            let colour = Colour(pixel.red(), pixel.green(), pixel.blue());
-            // The four colours of a picture stay exact; only edges are rounded.
-            match colour {
-                BACKGROUND => 1,
-                BALL => 2,
-                CONTACT => 3,
-                FIXED => 4,
-                Colour(red, green, blue) => {
-                    let bits = |value: u8| usize::from(value >> 3);
-                    self.nearest[bits(red) << 10 | bits(green) << 5 | bits(blue)]
-                }
+    fn plain(colour: Colour) -> Pixmap {
+        let mut pixmap = Pixmap::new(8, 6).unwrap();
+        pixmap.fill(colour.into());
+        pixmap
+    }
+
+    /// The largest difference of a channel between two pictures.
+    fn difference(one: &Pixmap, other: &Pixmap) -> u8 {
+        one.data().iter().zip(other.data()).map(|(&a, &b)| a.abs_diff(b)).max().unwrap()
+    }
+
+    fn is(pixel: PremultipliedColorU8, Colour(red, green, blue): Colour) -> bool {
+        [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()] == [red, green, blue, 255]
+    }
+
+    /// Whether the whole picture has this colour.
+    fn is_plain(pixmap: &Pixmap, colour: Colour) -> bool {
+        pixmap.pixels().iter().all(|&pixel| is(pixel, colour))
+    }
+
+    /// Balls of each colour that meet, some under trails that fade, half of it under a sheet with an amber edge.
+    fn crowded_picture(step: u32) -> Pixmap {
+        let world = World::new(DVec2::new(320.0, 200.0)).unwrap().with_pairs(Pairs::Detect);
+        let ball = |x: f64, y: f64| Ball::new(DVec2::new(x + f64::from(step), y), 19.7).unwrap();
+        let at = [(30.0, 40.0), (60.0, 50.0), (195.0, 50.0), (225.0, 65.0), (290.0, 20.0), (180.0, 100.0)];
+        let mut balls: Vec<Ball> = at.map(|(x, y)| ball(x, y)).into();
+        balls.push(ball(265.0, 45.0).fixed());
+        let mut simulation = Simulation::new(world, balls, Solver::Canvas).unwrap();
+        simulation.advance(0.0).unwrap();
+        let mut picture = Pixmap::new(320, 200).unwrap();
+        paint(&simulation, 1.0, &mut picture.as_mut());
+        for (row, colour) in
+            [BALL, CONTACT, Colour(0xe0, 0xa0, 0x30), Colour(0xe0, 0x40, 0x40)].into_iter().enumerate()
+        {
+            for part in 0..100_u8 {
+                let Colour(red, green, blue) = colour;
+                let faded = Color::from_rgba8(red, green, blue, 2 * part);
+                let x = f32::from(part) * 3.0 + step as f32;
+                fill(&mut picture, x, 100.0 + 8.0 * row as f32, 3.0, 6.0, faded);
             }
-        };
-        pixmap.pixels().iter().map(index).collect()
+        }
+        fill(&mut picture, 0.0, 0.0, 170.0, 160.0, Color::from_rgba8(0x0c, 0x0c, 0x0c, 225));
+        fill(&mut picture, 0.0, 160.0, 320.0, 3.0, Color::from_rgba8(0xe0, 0xa0, 0x30, 255));
+        for letter in 0..20 {
+            let at = DVec2::new(8.0 + 7.3 * f64::from(letter), 150.0);
+            fill_disc(&mut picture.as_mut(), at, 2.6, Colour(0xe6, 0xe6, 0xe6));
+        }
+        picture
+    }
+
+    fn fill(picture: &mut Pixmap, x: f32, y: f32, width: f32, height: f32, colour: Color) {
+        let mut paint = Paint::default();
+        paint.set_color(colour);
+        let rect = Rect::from_xywh(x, y, width, height).unwrap();
+        picture.fill_rect(rect, &paint, Transform::identity(), None);
+    }
+
+    #[test]
+    fn what_is_seen_is_what_was_painted_but_for_steps_too_small_to_see() {
+        let painted: Vec<_> =
+            (0..4).map(|step| (f64::from(step) / 25.0, crowded_picture(7 * step))).collect();
+        let seen = animate(&painted, 1.0);
+        assert_eq!(seen.len(), 4);
+        for ((_, painted), (seen, _)) in painted.iter().zip(&seen) {
+            let furthest = difference(painted, seen);
+            assert!(furthest <= 12, "a channel is {furthest} of 255 off");
+            for colour in [BACKGROUND, BALL, CONTACT, FIXED] {
+                let pairs = || painted.pixels().iter().zip(seen.pixels());
+                let of_it = || pairs().filter(|(painted, _)| is(**painted, colour));
+                assert!(of_it().count() > 100 && of_it().all(|(_, seen)| is(*seen, colour)), "{colour:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn pictures_of_any_colours_are_kept_as_well_as_255_of_them_can() {
+        let mut noise = Pixmap::new(256, 256).unwrap();
+        for (index, pixel) in noise.data_mut().as_chunks_mut().0.iter_mut().enumerate() {
+            *pixel = [index as u8, (index >> 8) as u8, ((7 * index) >> 3) as u8, 255];
+        }
+        let seen = animate(&[(0.0, noise.clone())], 1.0);
+        let furthest = difference(&noise, &seen[0].0);
+        // Colours that are kept lie so far apart that balls around 256 of them would not fit into the cube of all colours: at
+        // most 62 of 255. The distance that is tried is up to √2 times as far, and a colour counts as one 3 away.
+        assert!((1..=91).contains(&furthest), "{furthest}");
+    }
+
+    #[test]
+    fn each_picture_is_shown_until_the_next_that_differs() {
+        let times =
+            [(0.0, BALL), (0.1, CONTACT), (0.25, CONTACT), (0.33, BALL), (0.337, FIXED), (0.35, FIXED)];
+        let painted = times.map(|(time, colour)| (time, plain(colour)));
+        let seen = animate(&painted, 1.0);
+        let shown: Vec<_> = seen.iter().map(|(_, delay)| *delay).collect();
+        assert_eq!(shown, [10, 23, 2, 65], "0.337 s is too soon after 0.33 s");
+        for ((picture, _), colour) in seen.iter().zip([BALL, CONTACT, BALL, FIXED]) {
+            assert!(is_plain(picture, colour));
+        }
+    }
+
+    #[test]
+    fn a_picture_that_stands_for_hours_does() {
+        let seen = animate(&[(0.5, plain(BALL)), (7200.5, plain(CONTACT))], 7201.0);
+        let ball: u32 =
+            seen.iter().filter(|(seen, _)| is_plain(seen, BALL)).map(|(_, delay)| u32::from(*delay)).sum();
+        assert_eq!((ball, seen.last().unwrap().1), (720_000, 50));
+    }
+
+    #[test]
+    fn a_picture_too_wide_for_a_gif_is_refused() {
+        let error = Animation::new(Vec::new(), 65_536, 1).map(drop).unwrap_err().to_string();
+        assert!(error.contains("65535x65535 px, not 65536x1"), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The window, pictures, animations and tests all paint through here. Painting reads the simulation and never moves it.
 
-mod animation;
+pub(crate) mod animation;
 mod bands;
 mod circle;
 mod colours;
@@ -11,6 +11,7 @@ mod disc;
 mod ink;
 mod lines;
 mod painter;
+mod palette;
 mod shapes;
 mod spans;
 mod target;
