@@ -40,7 +40,7 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
     (
         "window",
         &["simulation", "scene", "session", "paint", "headless"],
-        &["glam", "pixels", "thiserror", "tiny_skia", "winit", "xkbcommon_dl"],
+        &["glam", "pixels", "tempfile", "thiserror", "tiny_skia", "winit", "xkbcommon_dl"],
     ),
 ];
 

@@ -5,10 +5,13 @@
 //! loop sleeps; where time runs but nothing looks other than before, nothing is painted or presented.
 
 mod clock;
+mod files;
 mod keys;
 mod overlay;
 mod picture;
 mod problem;
+#[cfg_attr(not(test), expect(dead_code, reason = "no key asks for it yet"))]
+mod record;
 mod screen;
 mod timings;
 

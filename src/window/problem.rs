@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::OutOfRange;
+use crate::paint::AnimationError;
 use crate::scene::SceneError;
 
 /// Why there is no window, or no more. Each message says what is missing, how to get it, and what works without.
@@ -77,13 +78,19 @@ pub enum WindowError {
     OutOfRange(#[from] OutOfRange),
 }
 
-/// Why a picture was not saved.
+/// Why a picture or a recording was not saved.
 #[derive(Debug, Error)]
-pub(super) enum PictureError {
-    #[error("{}: {source}", path.display())]
+pub(super) enum SaveError {
+    #[error("{}: {source}; check that the folder may be written to and has room", path.display())]
     Io { path: PathBuf, source: io::Error },
     #[error("the picture could not be encoded: {0}")]
     Encoding(String),
+    #[error("{}: {source}", path.display())]
+    Animation { path: PathBuf, source: AnimationError },
+    #[error("no thread could be started that encodes it: {0}")]
+    NoThread(io::Error),
+    #[error("the thread that encodes it has ended before its time")]
+    ThreadEnded,
 }
 
 /// What winit says, without the place in its source that it says it at.
