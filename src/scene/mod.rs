@@ -199,7 +199,8 @@ impl Scene {
 /// Sets balls that are added apart from a file's fills of the same seed.
 const ADDED_STREAM: u64 = 1 << 32;
 
-fn read(path: &Path) -> Result<String, SceneError> {
+/// The text of a scene file.
+pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
     let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
     let file = File::open(path).map_err(unreadable)?;
     let mut text = String::new();

@@ -14,6 +14,8 @@ mod problem;
 mod record;
 mod screen;
 mod timings;
+#[cfg_attr(not(test), expect(dead_code, reason = "no option asks for it yet"))]
+mod watch;
 
 use std::io::{self, Write};
 use std::sync::Arc;
