@@ -1,7 +1,54 @@
 //! Scenes: what a simulation starts from, as data.
 //!
 //! A scene is a TOML file, built in or the user's own. It says which physics it wants; what it leaves out does not exist
-//! for it. [`Scene::build`] makes a [`Simulation`] of it and decides there, once, which parts run.
+//! for it. [`Scene::build`] makes a [`Simulation`] of it and decides there, once, which parts run; [`write()`] makes a scene
+//! file of a simulation.
+//!
+//! All that a file may say, with the numbers that it has where it says nothing:
+//!
+//! ```
+//! # let text = r#"
+//! about = ""                     # one line on what it shows
+//! solver = "exact"               # canvas, exact or contact
+//! size = [1280, 720]             # px
+//! gravity = [0, 0]               # px/s², y down
+//!
+//! [walls]                        # left out: no walls
+//! restitution = 1                # 0 to 1
+//!
+//! [pairs]                        # left out: balls fly through each other
+//! response = "impulse"           # or "detect"
+//!
+//! [[ball]]                       # as often as there are balls
+//! position = [30, 50]            # px; must be said
+//! radius = 30                    # px; must be said
+//! velocity = [0, 0]              # px/s
+//! mass = 1
+//! restitution = 1                # 0 to 1
+//! wide = false                   # true: meant to be wider than a world without walls
+//!
+//! [[ball]]
+//! position = [640, 500]
+//! radius = 30
+//! fixed = true                   # nothing moves it; it has no velocity and no mass
+//!
+//! [[fill]]                       # random balls that overlap nothing; as often as wanted
+//! count = 100                    # must be said
+//! radius = [3, 6]                # px, one number or a range; must be said
+//! speed = 0                      # px/s, one number or a range; the direction is random
+//! density = 1                    # mass per px²; or mass = …
+//! restitution = 1
+//! seed = 1
+//! region = [0, 0, 1280, 720]     # left, top, right, bottom: the whole world
+//!
+//! [rain]                         # random balls that fall in while there is room
+//! rate = 200                     # balls a second; must be said
+//! radius = [6, 12]               # and speed, density or mass, restitution, seed as in a fill
+//! region = [0, 0, 1280, 48]      # four of the largest radii high, at the top
+//! # "#;
+//! # assert_eq!(carom::Scene::parse("docs", text)?.build()?.balls().len(), 102);
+//! # Ok::<(), carom::SceneError>(())
+//! ```
 
 mod catalogue;
 mod error;
