@@ -11,7 +11,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread::{self, JoinHandle};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use tiny_skia::{Pixmap, PixmapRef};
 
@@ -24,6 +24,8 @@ use crate::paint::{Animation, AnimationError};
 const PICTURES_BYTES: usize = 64 << 20;
 const PICTURES_LEAST: usize = 2;
 const PICTURES_MOST: usize = 8;
+/// After how long to come again with a frame that was not added: that of a frame of a GIF.
+const AGAIN: Duration = Duration::from_millis(20);
 
 /// A recording. It ends with [`stop`](Self::stop), with another size of the window, or where it cannot be written; then
 /// [`poll`](Self::poll) tells what became of it. Dropped, it ends with the last frame, and its file is finished.
@@ -40,6 +42,8 @@ pub(super) struct Recorder {
     pictures: usize,
     /// When the last frame was sent, s from the start; then when the recording ended.
     last: f64,
+    /// Whether the last frame found no picture, and how many did before.
+    late: bool,
     left_out: u64,
     resized: bool,
 }
@@ -84,28 +88,37 @@ impl Recorder {
         };
         let thread = thread.spawn(encode).map_err(SaveError::NoThread)?;
         let (frames, thread) = (Some(frames), Some(thread));
-        let (pictures, last, left_out, resized) = (0, 0.0, 0, false);
+        let (pictures, last, late, left_out, resized) = (0, 0.0, false, 0, false);
         let mut recorder =
-            Self { frames, spare, thread, size, start: now, pictures, last, left_out, resized };
+            Self { frames, spare, thread, size, start: now, pictures, last, late, left_out, resized };
         recorder.send(0.0, painted);
         Ok(recorder)
     }
 
-    /// Adds what is painted now; where the frames come faster than a GIF may have them, or than they can be encoded, not.
-    pub(super) fn add(&mut self, painted: PixmapRef<'_>, now: Instant) {
+    /// Adds a frame that was painted now, unless it comes sooner after the one before than a GIF may have it, or than that
+    /// can be encoded. Then this tells when to [come again](Self::add_again) with it, should nothing else be painted until
+    /// then: a window that stands still shows its last frame, and so must the recording.
+    pub(super) fn add(&mut self, painted: PixmapRef<'_>, now: Instant) -> Option<Instant> {
+        // The one before that could not be encoded in time now never is.
+        self.left_out += u64::from(std::mem::take(&mut self.late));
+        self.add_again(painted, now)
+    }
+
+    /// Adds the frame that [`add`](Self::add) did not, in the same way.
+    pub(super) fn add_again(&mut self, painted: PixmapRef<'_>, now: Instant) -> Option<Instant> {
         if (painted.width(), painted.height()) != self.size && self.is_recording() {
             self.resized = true;
             self.stop(now);
         }
         let time = self.time(now);
-        if self.is_recording() && !is_too_soon(self.last, time) {
-            self.send(time, painted);
-        }
+        let added = !self.is_recording() || !is_too_soon(self.last, time) && self.send(time, painted);
+        (!added).then_some(now + AGAIN)
     }
 
     /// Ends the recording, whose file is then finished without anyone waiting for it.
     pub(super) fn stop(&mut self, now: Instant) {
         if let Some(frames) = self.frames.take() {
+            self.left_out += u64::from(std::mem::take(&mut self.late));
             self.last = self.last.max(self.time(now));
             // A thread that is gone has failed, which it will tell.
             let _ = frames.send(Message::End(self.last));
@@ -142,12 +155,11 @@ impl Recorder {
         now.saturating_duration_since(self.start).as_secs_f64()
     }
 
-    /// Sends a copy to the thread, if there is a picture for it.
-    fn send(&mut self, time: f64, painted: PixmapRef<'_>) {
-        let Some(mut picture) = self.picture() else {
-            self.left_out += 1;
-            return;
-        };
+    /// Sends a copy to the thread, if there is a picture for it, and tells whether there was.
+    fn send(&mut self, time: f64, painted: PixmapRef<'_>) -> bool {
+        let picture = self.picture();
+        self.late = picture.is_none();
+        let Some(mut picture) = picture else { return false };
         picture.data_mut().copy_from_slice(painted.data());
         self.last = time;
         if let Some(frames) = &self.frames
@@ -155,6 +167,7 @@ impl Recorder {
         {
             self.frames = None;
         }
+        true
     }
 
     /// A picture that is not on its way.
@@ -226,7 +239,6 @@ fn encode(
 #[cfg(test)]
 mod tests {
     use std::fs;
-    use std::time::Duration;
 
     use tempfile::TempDir;
 
@@ -314,14 +326,33 @@ mod tests {
     }
 
     #[test]
-    fn frames_that_come_too_soon_for_a_gif_are_no_loss() {
+    fn frames_that_come_too_soon_for_a_gif_are_no_loss_and_the_last_of_them_can_come_again() {
         let setting = Setting::new();
         let mut recorder = setting.record();
         for number in 1..=10 {
-            recorder.add(picture(number).as_ref(), setting.at(u64::from(number)));
+            let again = recorder.add(picture(number).as_ref(), setting.at(u64::from(number)));
+            assert_eq!(again, Some(setting.at(u64::from(number) + 20)));
         }
+        assert_eq!(recorder.add_again(picture(10).as_ref(), setting.at(30)), None);
         assert_eq!(recorder.finish(setting.at(50)).unwrap().unwrap().left_out, 0);
-        assert!(setting.seen() == [(picture(0), 5)]);
+        assert!(setting.seen() == [(picture(0), 3), (picture(10), 2)]);
+    }
+
+    #[test]
+    fn a_frame_that_finds_no_picture_is_left_out_unless_it_comes_again_before_the_next() {
+        let setting = Setting::new();
+        let mut recorder = setting.record();
+        // As many as there may be, and none of them comes back.
+        (recorder.pictures, recorder.spare) = (PICTURES_MOST, mpsc::channel().1);
+        assert!(recorder.add(picture(1).as_ref(), setting.at(100)).is_some());
+        assert!(recorder.add_again(picture(1).as_ref(), setting.at(120)).is_some());
+        assert!(recorder.add(picture(2).as_ref(), setting.at(140)).is_some());
+        recorder.pictures -= 1;
+        assert_eq!(recorder.add_again(picture(2).as_ref(), setting.at(160)), None);
+        assert!(recorder.add(picture(3).as_ref(), setting.at(200)).is_some());
+        let recorded = recorder.finish(setting.at(300)).unwrap().unwrap();
+        assert_eq!(recorded.left_out, 2, "the first and the third");
+        assert!(setting.seen() == [(picture(0), 16), (picture(2), 14)]);
     }
 
     #[test]

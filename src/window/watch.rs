@@ -48,7 +48,7 @@ enum Content {
 }
 
 impl Watch {
-    /// Watches the file at `path`, as which what is in it now is known.
+    /// Watches the file at `path`; what is in it now counts as told.
     pub(super) fn new(path: impl Into<PathBuf>) -> Self {
         let path = path.into();
         let now = Instant::now();
