@@ -1,6 +1,8 @@
 //! The program: parse, run, print one error, set the exit code.
 
 mod cli;
+#[cfg(unix)]
+mod signals;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -19,6 +21,8 @@ use crate::cli::{Cli, Command, RunArgs, SceneArgs, WindowArgs};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    #[cfg(unix)]
+    signals::watch();
     let done = match cli.command {
         None => open_window(&cli.window),
         Some(Command::Run(args)) => run(args),

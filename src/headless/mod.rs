@@ -3,6 +3,7 @@
 mod frames;
 mod output;
 mod summary;
+mod unfinished;
 
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -16,6 +17,7 @@ pub use frames::{Frames, FramesError};
 pub use output::{Output, OutputError};
 pub use summary::Summary;
 use summary::{Watched, energy};
+pub use unfinished::discard_unfinished;
 
 use crate::paint::{self, Animation, AnimationError, Painter, PictureTooLarge};
 use crate::scene::{Scene, SceneError};
@@ -83,10 +85,16 @@ impl RunError {
     pub fn is_broken_pipe(&self) -> bool {
         match self {
             Self::Output(error) => error.is_broken_pipe(),
-            Self::Animation { source: AnimationError::Encoding(gif::EncodingError::Io(error)), path } => {
-                output::is_stdout(path) && error.kind() == io::ErrorKind::BrokenPipe
-            }
             _ => false,
+        }
+    }
+
+    /// What went wrong with the animation at `path`: where it could not be written, the same as with any output.
+    fn of_animation(path: &Path, source: AnimationError) -> Self {
+        let path = path.to_owned();
+        match source {
+            AnimationError::Encoding(gif::EncodingError::Io(source)) => OutputError { path, source }.into(),
+            source => Self::Animation { path, source },
         }
     }
 }
@@ -171,7 +179,7 @@ impl Outputs {
         let gif = match (gif, &canvas, &run.gif) {
             (Some(output), Some(canvas), Some(path)) => {
                 let animation = Animation::new(output, canvas.width(), canvas.height())
-                    .map_err(|source| RunError::Animation { path: path.clone(), source })?;
+                    .map_err(|source| RunError::of_animation(path, source))?;
                 Some((animation, path.clone()))
             }
             _ => None,
@@ -198,7 +206,7 @@ impl Outputs {
         if let (Some((animation, path)), Some(canvas)) = (&mut self.gif, &mut self.canvas) {
             self.painter.repaint(simulation, 1.0, &mut canvas.as_mut());
             let added = animation.add(simulation.time(), canvas);
-            added.map_err(|source| RunError::Animation { path: path.clone(), source })?;
+            added.map_err(|source| RunError::of_animation(path, source))?;
         }
         Ok(())
     }
@@ -221,7 +229,7 @@ impl Outputs {
         let traced = trace.map_or(Ok(()), Output::finish);
         let animated: Result<(), RunError> = gif.map_or(Ok(()), |(animation, path)| {
             let finished = animation.finish(simulation.time());
-            Ok(finished.map_err(|source| RunError::Animation { path, source })?.finish()?)
+            Ok(finished.map_err(|source| RunError::of_animation(&path, source))?.finish()?)
         });
         let painted = image.zip(canvas).map_or(Ok(()), |(image, mut canvas)| {
             painter.repaint(simulation, 1.0, &mut canvas.as_mut());

@@ -4,8 +4,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
 use thiserror::Error;
+
+use super::unfinished::Unfinished;
 
 /// Why an output was not written.
 #[derive(Debug, Error)]
@@ -54,7 +55,8 @@ fn folder(path: &Path) -> &Path {
 }
 
 /// An output being written. What goes to a file stands in a temporary one beside it until [`finish`](Self::finish);
-/// dropped before, it leaves nothing.
+/// dropped before, it leaves nothing, nor where a signal ends the program and that calls
+/// [`discard_unfinished`](super::discard_unfinished).
 pub struct Output {
     path: PathBuf,
     target: Target,
@@ -62,7 +64,7 @@ pub struct Output {
 
 enum Target {
     Stdout(BufWriter<io::Stdout>),
-    Temporary(BufWriter<NamedTempFile>),
+    Temporary(BufWriter<Unfinished>),
     /// A device or a pipe, which must not be replaced by a file.
     Device(BufWriter<File>),
 }
@@ -86,7 +88,7 @@ impl Output {
                 let device = File::options().write(true).open(&path).map_err(wrong)?;
                 Target::Device(BufWriter::new(device))
             }
-            _ => Target::Temporary(BufWriter::new(temporary_beside(&path).map_err(wrong)?)),
+            _ => Target::Temporary(BufWriter::new(Unfinished::beside(&path, folder(&path)).map_err(wrong)?)),
         };
         Ok(Self { path, target })
     }
@@ -111,7 +113,7 @@ impl Output {
             Target::Device(mut device) => device.flush(),
             Target::Temporary(file) => {
                 let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-                file.persist(&path).map(drop).map_err(|error| error.error)
+                file.persist(&path)
             }
         };
         finish(target).map_err(|source| OutputError { path: path.clone(), source })
@@ -139,21 +141,4 @@ impl Write for Output {
             Target::Device(device) => device.flush(),
         }
     }
-}
-
-fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".carom-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As any program's file: what the user's umask leaves of rw-rw-rw-, not the private mode of temporary files.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let file = builder.tempfile_in(folder(path)).map_err(|error| io::Error::from(error.kind()))?;
-    if let Ok(replaced) = fs::metadata(path) {
-        // What others may not read, they still may not.
-        file.as_file().set_permissions(replaced.permissions())?;
-    }
-    Ok(file)
 }

@@ -164,6 +164,9 @@ pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
     }
     fs::create_dir_all(&options.folder)
         .map_err(|source| ReportError::Folder { folder: options.folder.clone(), source })?;
+    // Opened before what takes minutes, so that a folder that may not be written to is known at once.
+    let page = options.folder.join("report.md");
+    let page = (Output::create(&page)?, page);
     let wanted = |section: &str| only.is_none_or(|name| name == section);
     let case = only.filter(|name| cases.contains(name));
     let stability_wanted = wanted("stability") || case.is_some();
@@ -205,10 +208,14 @@ pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
     if wanted("parts") {
         sections.push(parts::section(&mut context)?);
     }
-    write_all(options, &sections)
+    write_all(options, &sections, page)
 }
 
-fn write_all(options: &Options, sections: &[Section]) -> Result<PathBuf, ReportError> {
+fn write_all(
+    options: &Options,
+    sections: &[Section],
+    (page, path): (Output, PathBuf),
+) -> Result<PathBuf, ReportError> {
     let mut text = introduction(options, sections);
     for section in sections {
         text += &section.text;
@@ -223,8 +230,7 @@ fn write_all(options: &Options, sections: &[Section]) -> Result<PathBuf, ReportE
     }
     let (name, content) = machine.file("machine.csv");
     Output::create(&options.folder.join(name))?.complete(&content)?;
-    let path = options.folder.join("report.md");
-    Output::create(&path)?.complete(text.as_bytes())?;
+    page.complete(text.as_bytes())?;
     Ok(path)
 }
 

@@ -1,0 +1,101 @@
+//! Files that are being written, each under a temporary name beside its place until it is whole.
+//!
+//! What is dropped before is removed. A program that is told to end by a signal drops nothing, so all of them stand in
+//! one list, and [`discard_unfinished`] removes what is there. Only what ends a program without a word (SIGKILL, a power
+//! failure) leaves such a file: its name begins with `.carom-`, and it may be deleted.
+
+use std::fs;
+use std::io::{self, Write};
+use std::mem;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tempfile::NamedTempFile;
+
+/// Where they are.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes every output file that is not whole yet, for a program that ends at once: none can be begun or put into its
+/// place from now on, and whoever tries waits for the end.
+pub fn discard_unfinished() {
+    let unfinished = unfinished();
+    for path in &*unfinished {
+        // One that cannot be removed stays; there is nobody left to tell.
+        let _ = fs::remove_file(path);
+    }
+    // Never unlocked.
+    mem::forget(unfinished);
+}
+
+/// A file that is not in its place yet. Dropped, it is removed.
+#[derive(Debug)]
+pub(super) struct Unfinished {
+    /// There until it is put into its place, or dropped.
+    file: Option<NamedTempFile>,
+}
+
+impl Unfinished {
+    /// Begins a file that is to replace the one at `path`, if there is any, in `folder`, which is where that is.
+    pub(super) fn beside(path: &Path, folder: &Path) -> io::Result<Self> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".carom-");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // As any program's file: what the user's umask leaves of rw-rw-rw-, not the private mode of temporary files.
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        let mut unfinished = unfinished();
+        let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
+        unfinished.push(file.path().to_owned());
+        drop(unfinished);
+        let file = Self { file: Some(file) };
+        if let Ok(replaced) = fs::metadata(path) {
+            // What others may not read, they still may not.
+            file.file().as_file().set_permissions(replaced.permissions())?;
+        }
+        Ok(file)
+    }
+
+    /// Puts the file into its place.
+    pub(super) fn persist(mut self, path: &Path) -> io::Result<()> {
+        let Some(file) = self.file.take() else { return Ok(()) };
+        leave(file, |file| file.persist(path).map(drop).map_err(|error| error.error))
+    }
+
+    fn file(&self) -> &NamedTempFile {
+        self.file.as_ref().expect("a file is there until it is put into its place")
+    }
+}
+
+/// Does away with a file's temporary name, in one with its place in the list.
+fn leave<T>(file: NamedTempFile, by: impl FnOnce(NamedTempFile) -> T) -> T {
+    let mut unfinished = unfinished();
+    let name = file.path().to_owned();
+    let left = by(file);
+    unfinished.retain(|path| *path != name);
+    left
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        if let Some(file) = self.file.take() {
+            leave(file, drop);
+        }
+    }
+}
+
+impl Write for Unfinished {
+    // By the open file: the other way, errors name the temporary file.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file().as_file().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file().as_file().flush()
+    }
+}

@@ -1,0 +1,31 @@
+//! What happens when the program is told to end: nothing half-written stays behind.
+
+use std::{fs, thread};
+
+use carom::headless::discard_unfinished;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use signal_hook::low_level::emulate_default_handler;
+
+/// From now on, a signal that ends the program removes its unfinished outputs first, and then ends it as ever: whoever
+/// waits for it sees which signal it was, and a shell's script stops as it should.
+pub fn watch() {
+    let ignored = ignored();
+    let watched = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored & (1 << (signal - 1)) == 0);
+    // Where signals cannot be watched, they end the program as they always did.
+    let Ok(mut signals) = Signals::new(watched) else { return };
+    thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            discard_unfinished();
+            let _ = emulate_default_handler(signal);
+        }
+    });
+}
+
+/// The signals that whoever started the program wants to be ignored (nohup, a shell for what runs in the background),
+/// signal 1 in the lowest bit; none where the system does not say.
+fn ignored() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or_default()
+}

@@ -1,0 +1,228 @@
+//! Output files, whatever happens to them: whole or not at all, with a message and an exit code that say which.
+#![cfg(unix)]
+
+use std::fs;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+const CAROM: &str = env!("CARGO_BIN_EXE_carom");
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn assert_fails(output: &Output, message: &str) {
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(output));
+    assert!(stderr(output).contains(message), "{}", stderr(output));
+}
+
+/// Runs the program through a shell that does `before` first.
+fn through_shell(here: &Path, before: &str, args: &str) -> Output {
+    let script = format!("{before}; exec \"$0\" {args}");
+    Command::new("sh").args(["-c", &script, CAROM]).current_dir(here).output().unwrap()
+}
+
+/// A run that would go on for days, as soon as its outputs are begun.
+fn begin(here: &Path, before: &str) -> Child {
+    let run =
+        "run gravity --seconds 1e7 --trace t.csv --every 1000 --gif it.gif --image last.png --summary s.json";
+    let script = format!("{before}; exec \"$0\" {run}");
+    let child = Command::new("sh").args(["-c", &script, CAROM]).current_dir(here).spawn().unwrap();
+    let begun = Instant::now();
+    while names(here).iter().filter(|name| name.starts_with(".carom-")).count() < 4 {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no outputs were begun: {:?}", names(here));
+        thread::sleep(Duration::from_millis(5));
+    }
+    child
+}
+
+fn send(child: &Child, signal: &str) {
+    let status = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+#[test]
+fn a_signal_ends_a_run_as_it_says_and_leaves_nothing_half_written() {
+    for (name, number) in [("HUP", 1), ("INT", 2), ("TERM", 15)] {
+        let here = folder();
+        fs::write(here.path().join("t.csv"), "old").unwrap();
+        let mut child = begin(here.path(), ":");
+        send(&child, name);
+        assert_eq!(child.wait().unwrap().signal(), Some(number));
+        assert_eq!(names(here.path()), ["t.csv"], "after SIG{name}");
+        assert_eq!(fs::read_to_string(here.path().join("t.csv")).unwrap(), "old");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_that_was_to_be_ignored_is() {
+    let here = folder();
+    // As nohup does, and a shell for what it runs in the background.
+    let mut child = begin(here.path(), "trap '' HUP INT");
+    send(&child, "HUP");
+    send(&child, "INT");
+    thread::sleep(Duration::from_millis(300));
+    assert_eq!(child.try_wait().unwrap(), None);
+    send(&child, "TERM");
+    assert_eq!(child.wait().unwrap().signal(), Some(15));
+    assert!(names(here.path()).is_empty(), "{:?}", names(here.path()));
+}
+
+#[test]
+fn files_that_may_not_grow_are_errors_that_leave_what_was_there() {
+    // Without the signal, a write beyond the limit fails as on a full disk.
+    let small = "trap '' XFSZ; ulimit -f 8";
+    for (option, name) in
+        [("--trace", "t.csv"), ("--gif", "it.gif"), ("--image", "last.png"), ("--summary", "s.json")]
+    {
+        let here = folder();
+        fs::write(here.path().join(name), "old").unwrap();
+        let before = if option == "--summary" { "trap '' XFSZ; ulimit -f 0" } else { small };
+        let args = format!("run galton --seconds 2 {option} {name}");
+        let output = through_shell(here.path(), before, &args);
+        assert_fails(&output, &format!("{name}: File too large"));
+        assert!(stderr(&output).contains("no file was written"), "{}", stderr(&output));
+        assert_eq!(names(here.path()), [name]);
+        assert_eq!(fs::read_to_string(here.path().join(name)).unwrap(), "old");
+    }
+}
+
+#[test]
+fn one_output_that_fails_takes_no_other_with_it() {
+    let here = folder();
+    // The picture of one ball is small, the trace is not.
+    let args = "run draw --size 40x40 --seconds 100 --trace t.csv --image last.png --summary s.json";
+    let output = through_shell(here.path(), "trap '' XFSZ; ulimit -f 8", args);
+    assert_fails(&output, "t.csv: File too large");
+    assert!(!names(here.path()).iter().any(|name| name == "t.csv" || name.starts_with('.')));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error_that_leaves_nothing_half_written() {
+    let here = folder();
+    // A disk of 64 kB in a namespace of its own, where the system lets anyone have one.
+    let script = "mount -t tmpfs -o size=64k none . && cd \"$PWD\" && \"$0\" run gravity --seconds 60 --trace t.csv; \
+                  echo \"exit $?\"; ls -A";
+    let mut command = Command::new("unshare");
+    let output = command.args(["-rm", "sh", "-c", script, CAROM]).current_dir(here.path()).output();
+    let Some(output) = output.ok().filter(|output| !stderr(output).contains("unshare:")) else {
+        eprintln!("skipped: this system lets nobody mount a disk of their own");
+        return;
+    };
+    if stderr(&output).contains("mount:") {
+        eprintln!("skipped: this system lets nobody mount a disk of their own");
+        return;
+    }
+    assert!(stderr(&output).contains("t.csv: No space left on device"), "{}", stderr(&output));
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "exit 1\n");
+}
+
+/// The program, as a user who is not allowed everything.
+fn as_anyone() -> Command {
+    let mut command = Command::new(CAROM);
+    let root = Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n");
+    if root {
+        const NOBODY: u32 = 65534;
+        command.uid(NOBODY).gid(NOBODY);
+    }
+    command
+}
+
+#[test]
+fn a_folder_that_may_only_be_read_is_an_error_at_once() {
+    use std::os::unix::fs::PermissionsExt;
+    let here = folder();
+    fs::set_permissions(here.path(), fs::Permissions::from_mode(0o555)).unwrap();
+    let mut calls = vec![vec!["run", "gravity", "--seconds", "1e7", "--trace", "t.csv"]];
+    #[cfg(feature = "report")]
+    calls.extend([vec!["report", "--out", "."], vec!["report", "--out", "new"]]);
+    for args in calls {
+        let begun = Instant::now();
+        let output = match as_anyone().args(&args).current_dir(here.path()).output() {
+            Ok(output) => output,
+            Err(error) => {
+                eprintln!("skipped: nobody else may run the program here: {error}");
+                return;
+            }
+        };
+        assert_fails(&output, "ermission denied");
+        assert!(begun.elapsed() < Duration::from_secs(20), "known before what takes long");
+        assert!(names(here.path()).is_empty());
+    }
+}
+
+#[cfg(feature = "report")]
+#[test]
+fn a_report_into_a_file_is_an_error_that_names_it() {
+    let here = folder();
+    fs::write(here.path().join("taken"), "old").unwrap();
+    let output = Command::new(CAROM).args(["report", "--out", "taken"]).current_dir(here.path()).output();
+    assert_fails(&output.unwrap(), "taken: File exists");
+    fs::create_dir_all(here.path().join("folder/report.md")).unwrap();
+    let output = Command::new(CAROM).args(["report", "--out", "folder"]).current_dir(here.path()).output();
+    assert_fails(&output.unwrap(), "folder/report.md: is a directory");
+    assert_eq!(fs::read_to_string(here.path().join("taken")).unwrap(), "old");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn whatever_prints_says_so_where_standard_output_is_full() {
+    let here = folder();
+    let mut calls = vec!["scenes", "scenes --json", "scene galton", "run draw --seconds 0"];
+    calls.extend(["run draw --seconds 0 --trace -", "run draw --seconds 0 --image -", "run draw --gif -"]);
+    calls.push("run draw --seconds 0 --summary -");
+    #[cfg(feature = "report")]
+    calls.push("report --cell coincident/exact --quick");
+    for args in calls {
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let mut command = Command::new(CAROM);
+        let output = command.args(args.split(' ')).current_dir(here.path()).stdout(full).output().unwrap();
+        assert_fails(&output, "standard output: No space left on device");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn whatever_prints_ends_quietly_where_nobody_reads() {
+    let here = folder();
+    for args in [
+        "scenes",
+        "scene galton",
+        "run draw --seconds 0",
+        "run galton --seconds 1 --trace -",
+        "run galton --seconds 1 --gif -",
+        "run galton --seconds 1 --image -",
+        "run galton --seconds 1 --summary -",
+    ] {
+        let mut command = Command::new(CAROM);
+        command.args(args.split(' ')).current_dir(here.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        // Beside a picture on standard output, the summary is on standard error.
+        assert!(
+            output.status.success() && !stderr(&output).contains("carom:"),
+            "{args}: {}",
+            stderr(&output)
+        );
+    }
+}
