@@ -144,6 +144,7 @@ fn run(args: RunArgs) -> Result<(), Failure> {
         every: args.every,
         image: args.image,
         gif: args.gif,
+        check: args.check,
         summary: args.summary,
     })?;
     Ok(())

@@ -1,5 +1,6 @@
 //! `carom run`: the same simulation without a window.
 
+mod check;
 mod frames;
 mod output;
 mod summary;
@@ -13,6 +14,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 use tiny_skia::Pixmap;
 
+pub use check::Broken;
+use check::Check;
 pub use frames::{Frames, FramesError};
 pub use output::{Output, OutputError};
 pub use summary::Summary;
@@ -40,6 +43,9 @@ pub struct Run {
     pub image: Option<PathBuf>,
     /// The run as an animated GIF.
     pub gif: Option<PathBuf>,
+    /// Whether every frame is held against the laws ([`ledger`](crate::simulation::ledger)), and the first that breaks
+    /// one ends the run.
+    pub check: bool,
     /// The summary as JSON. Without it, a readable one goes to standard output, or to standard error where another
     /// output is there.
     pub summary: Option<PathBuf>,
@@ -57,6 +63,9 @@ pub enum RunError {
     /// A delta was refused.
     #[error(transparent)]
     Delta(#[from] crate::OutOfRange),
+    /// A frame broke a law.
+    #[error(transparent)]
+    Broken(#[from] Box<Broken>),
     /// An output cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -112,8 +121,20 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// # Errors
 /// [`RunError`]; outputs that could not be completed are not there then.
 pub fn run(run: &Run) -> Result<Summary, RunError> {
-    let mut simulation = run.scene.build()?;
     let mut rain = run.scene.rain();
+    run_by(run, |simulation, delta| match &mut rain {
+        Some(rain) => rain.advance_while(simulation, delta, || true).map(drop),
+        None => simulation.advance(delta),
+    })
+}
+
+/// Runs a scene whose frames `advance` makes.
+fn run_by(
+    run: &Run,
+    mut advance: impl FnMut(&mut Simulation, f64) -> Result<(), crate::OutOfRange>,
+) -> Result<Summary, RunError> {
+    let mut simulation = run.scene.build()?;
+    let mut check = run.check.then(|| Check::new(run, &simulation));
     let mut outputs = Outputs::create(run, &simulation)?;
     let mut grid = Grid::new(simulation.balls(), simulation.world().size());
     let mut sorted = simulation.balls().len();
@@ -124,12 +145,12 @@ pub fn run(run: &Run) -> Result<Summary, RunError> {
     for frame in 0..run.frames.count() {
         let delta = run.frames.delta(frame);
         let start = Instant::now();
-        match &mut rain {
-            Some(rain) => drop(rain.advance_while(&mut simulation, delta, || true)?),
-            None => simulation.advance(delta)?,
-        }
+        advance(&mut simulation, delta)?;
         watched.wall_seconds += start.elapsed().saturating_sub(clock_cost).as_secs_f64();
         watched.frames += 1;
+        if let Some(check) = &mut check {
+            check.hold(run, frame + 1, delta, &simulation)?;
+        }
         if simulation.balls().len() > 2 * sorted {
             // Cells for what has come since.
             sorted = simulation.balls().len();
@@ -295,6 +316,57 @@ impl Drop for Progress {
     fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::ledger::Law;
+
+    fn checked(scene: &str) -> Run {
+        Run {
+            scene: Scene::parse("doctored.toml", scene).unwrap(),
+            frames: Frames::even(1.0, 60.0).unwrap(),
+            trace: None,
+            every: 1,
+            image: None,
+            gif: None,
+            check: true,
+            summary: Some("/dev/null".into()),
+        }
+    }
+
+    #[test]
+    fn the_first_frame_that_breaks_a_law_ends_the_run_and_leaves_the_frame_before() {
+        let scene =
+            "size = [400, 300]\n[walls]\n[[ball]]\nposition = [200, 150]\nradius = 5\nvelocity = [30, 0]\n";
+        let faster = scene.replace("[30, 0]", "[31, 0]");
+        assert!(run(&checked(scene)).is_ok());
+        // From frame 10 on, the frames of a ball that flies faster.
+        let mut other = Scene::parse("faster.toml", &faster).unwrap().build().unwrap();
+        let mut frame = 0;
+        let result = run_by(&checked(scene), |simulation, delta| {
+            frame += 1;
+            other.advance(delta)?;
+            if frame == 10 {
+                std::mem::swap(simulation, &mut other);
+                return Ok(());
+            }
+            simulation.advance(delta)
+        });
+        let Err(RunError::Broken(broken)) = result else { panic!("{result:?}") };
+        assert_eq!((broken.frame, broken.violation.law), (10, Law::Energy));
+        assert!((broken.time - 9.0 / 60.0).abs() < 1e-12);
+        let path = broken.file.as_ref().unwrap();
+        assert_eq!(path, Path::new("doctored-frame-9.toml"));
+        let left = Scene::load("./doctored-frame-9.toml").unwrap().build().unwrap();
+        std::fs::remove_file(path).unwrap();
+        assert!((left.balls()[0].position().x - (200.0 + 30.0 * 8.0 / 60.0)).abs() < 1e-9);
+        let message = broken.to_string();
+        for part in ["frame 10, at 0.1", "the law of energy", "rose to 4.805", "doctored-frame-9.toml"] {
+            assert!(message.contains(part), "{part} is not in: {message}");
         }
     }
 }

@@ -13,6 +13,7 @@ mod flight;
 pub mod grid;
 mod impulse;
 pub mod invariants;
+pub mod ledger;
 pub mod limits;
 mod world;
 

@@ -1,0 +1,129 @@
+//! `--check`: every frame held against the laws, and what is left behind where one is broken.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::Run;
+use super::output::{Output, OutputError};
+use crate::simulation::ledger::{Ledger, Violation};
+use crate::simulation::{Ball, Pairs, Simulation};
+
+/// A frame that broke a law.
+#[derive(Debug, Error)]
+#[error(
+    "frame {frame}, at {time} s, breaks the law of {}: {violation}; {}",
+    violation.law.name(),
+    left(file)
+)]
+pub struct Broken {
+    /// The frame, from 1.
+    pub frame: u64,
+    /// The time at its end, s.
+    pub time: f64,
+    /// Which law, and by how much.
+    pub violation: Violation,
+    /// The scene as it was a frame before, if it could be written.
+    pub file: Result<PathBuf, OutputError>,
+}
+
+fn left(file: &Result<PathBuf, OutputError>) -> String {
+    match file {
+        Ok(path) => {
+            format!("{} is the scene one frame before, and says how to go on from there", path.display())
+        }
+        Err(error) => format!("the scene one frame before cannot be left for you: {error}"),
+    }
+}
+
+/// The ledger of a run.
+pub(super) struct Check {
+    ledger: Ledger,
+}
+
+impl Check {
+    pub(super) fn new(run: &Run, simulation: &Simulation) -> Self {
+        let ledger = Ledger::new(simulation);
+        // What falls in cuts frames into several advances.
+        Self { ledger: if run.scene.rain().is_some() { ledger.without_flights() } else { ledger } }
+    }
+
+    /// Holds the frame of this number, from 1, that `delta` seconds led to against the laws.
+    pub(super) fn hold(
+        &mut self,
+        run: &Run,
+        frame: u64,
+        delta: f64,
+        simulation: &Simulation,
+    ) -> Result<(), Box<Broken>> {
+        self.ledger.check(simulation).map_err(|violation| {
+            let path = PathBuf::from(format!("{}-frame-{}.toml", run.scene.name(), frame - 1));
+            let text = format!(
+                "# `carom run {} --check` broke the law of {} in frame {frame}: {violation}.\n\
+                 # This is the frame before, at {:?} s. The frame that follows:\n\
+                 # echo {delta:?} | carom run {} --check --deltas /dev/stdin\n\
+                 # What a solver remembers beside the balls (who rests, who sleeps) is not in it: where that frame\n\
+                 # keeps the laws, the first command breaks them still.\n\n{}",
+                run.scene.argument(),
+                violation.law.name(),
+                self.ledger.time_before(),
+                path.display(),
+                scene_file(simulation, self.ledger.before()),
+            );
+            let written = Output::create(&path).and_then(|output| output.complete(text.as_bytes()));
+            Box::new(Broken { frame, time: simulation.time(), violation, file: written.map(|()| path) })
+        })
+    }
+}
+
+/// The world and the solver of `simulation`, with `balls`, as a scene file.
+fn scene_file(simulation: &Simulation, balls: &[Ball]) -> String {
+    // Debug's numbers always have a point or an exponent, as TOML wants them, and read back to the same bits.
+    let world = simulation.world();
+    let mut text = format!(
+        "solver = \"{}\"\nsize = [{:?}, {:?}]\n",
+        simulation.solver(),
+        world.size().x,
+        world.size().y
+    );
+    if let Some(gravity) = world.gravity() {
+        text += &format!("gravity = [{:?}, {:?}]\n", gravity.x, gravity.y);
+    }
+    if let Some(restitution) = world.walls() {
+        text += &format!("\n[walls]\nrestitution = {restitution:?}\n");
+    }
+    match world.pairs() {
+        None => {}
+        Some(Pairs::Detect) => text += "\n[pairs]\nresponse = \"detect\"\n",
+        Some(Pairs::Impulse) => text += "\n[pairs]\n",
+    }
+    for ball in balls {
+        let (position, velocity) = (ball.position(), ball.velocity());
+        text += &format!("\n[[ball]]\nposition = [{:?}, {:?}]\n", position.x, position.y);
+        text += &format!("radius = {:?}\nrestitution = {:?}\n", ball.radius(), ball.restitution());
+        text += &if ball.is_fixed() {
+            "fixed = true\n".to_owned()
+        } else {
+            format!("velocity = [{:?}, {:?}]\nmass = {:?}\n", velocity.x, velocity.y, ball.mass())
+        };
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    #[test]
+    fn a_scene_left_behind_is_the_frame_to_the_last_bit() {
+        for scene in ["galton", "detect", "draw", "heavy", "gas"] {
+            let mut simulation = Scene::load(scene).unwrap().build().unwrap();
+            simulation.advance(0.3).unwrap();
+            let text = scene_file(&simulation, simulation.balls());
+            let again = Scene::parse("left.toml", &text).unwrap().build().unwrap();
+            assert_eq!((again.world(), again.balls()), (simulation.world(), simulation.balls()), "{scene}");
+            assert_eq!(again.solver(), simulation.solver());
+        }
+    }
+}

@@ -1,0 +1,526 @@
+//! What every frame must keep, held against it: numbers, walls, gaps, energy, momentum, free flight.
+//!
+//! Impacts do not tell what energy they took, so the energy is an inequality: it never rises above what was there by more
+//! than the solver's documented bound, and stays where nothing takes any. Momentum is an equation wherever the [`Tally`]
+//! knows all that walls gave. Each law says below what it leaves out, and why.
+
+mod law;
+
+use glam::DVec2;
+
+use super::ball::Ball;
+use super::grid::Grid;
+use super::invariants::{kinetic_energy, momentum, potential_energy};
+use super::world::{Pairs, World};
+use super::{Simulation, Solver, Tally};
+pub use law::{Law, Violation};
+
+/// How much of the energy at first may come back with [`Solver::Contact`] under gravity.
+pub const CONTACT_LIFT: f64 = 1e-2;
+/// The deepest overlap that counts as rounding, as a part of the smaller radius.
+const TOUCH: f64 = 1e-6;
+/// What rounding may add to an energy or a momentum in a run of an hour, as a part of the largest that was seen.
+const ROUNDING: f64 = 1e-9;
+/// Positions and times are rounded to this part of them, a few operations long.
+const EPSILON: f64 = 8.0 * f64::EPSILON;
+/// Times are known to this, s, whatever their size: twice what `exact` shows frames at multiples of.
+const INSTANT: f64 = 1.0 / (1_u64 << 45) as f64;
+/// What each impact on a wall may add to that.
+const ROUNDING_OF_IMPACT: f64 = 8.0 * f64::EPSILON;
+/// A time so near to the end of a substep, as a part of one, is that end.
+const WHOLE: f64 = 1e-7;
+/// Where the squares round the balls cover more of the world than this, or one of them reaches over more than this of it,
+/// they may be jammed, and a jam takes energy and leans on the walls.
+const ROOMY: f64 = 0.5;
+/// Substeps of `contact` in a second, or an integer part of those, unless it was told otherwise.
+const SUBSTEPS: u32 = 240;
+
+/// Holds a simulation against the laws, frame by frame.
+///
+/// ```
+/// use carom::Scene;
+/// use carom::simulation::ledger::Ledger;
+///
+/// let mut simulation = Scene::load("gravity")?.build()?;
+/// let mut ledger = Ledger::new(&simulation);
+/// for _ in 0..60 {
+///     simulation.advance(1.0 / 60.0)?;
+///     ledger.check(&simulation)?;
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Ledger {
+    /// What balls were at the last frame that held.
+    before: Before,
+    base: Base,
+    grid: Grid,
+    flights: bool,
+}
+
+/// A frame that held.
+#[derive(Debug)]
+struct Before {
+    world: World,
+    solver: Solver,
+    balls: Vec<Ball>,
+    time: f64,
+    energy: f64,
+    /// Whether the state was one that the solver had computed.
+    whole: bool,
+    /// Whether a ball was not wholly between the walls.
+    outside: bool,
+}
+
+/// What the accounts begin with.
+#[derive(Debug)]
+struct Base {
+    momentum: DVec2,
+    tally: Tally,
+    time: f64,
+    /// The mass of all balls that move.
+    mass: f64,
+    /// The largest energy that was seen, counting each ball's apart from its sign.
+    scale: f64,
+    /// The lowest energy that was seen.
+    least: f64,
+    /// The largest sum of the balls' momenta that was seen, each counted apart from its direction.
+    moving: f64,
+    /// The deepest overlap at first, as a fraction of the smaller radius.
+    overlap: f64,
+    fixed: bool,
+    /// Whether balls can always get out of each other's way.
+    roomy: bool,
+    /// Whether nothing takes energy.
+    lossless: bool,
+}
+
+impl Ledger {
+    /// Opens the accounts with the simulation as it is.
+    #[must_use]
+    pub fn new(simulation: &Simulation) -> Self {
+        let mut grid = Grid::new(&simulation.balls, simulation.world.size);
+        let base = Base::new(simulation, &mut grid);
+        Self { before: Before::new(simulation, base.least), base, grid, flights: true }
+    }
+
+    /// The same, without [`Law::Flight`]: where more than one advance lies between two checks, balls may have met others
+    /// that the last of them did not flag.
+    #[must_use]
+    pub fn without_flights(self) -> Self {
+        Self { flights: false, ..self }
+    }
+
+    /// The balls at the last frame that held.
+    #[must_use]
+    pub fn before(&self) -> &[Ball] {
+        &self.before.balls
+    }
+
+    /// The time of the last frame that held, s.
+    #[must_use]
+    pub fn time_before(&self) -> f64 {
+        self.before.time
+    }
+
+    /// Holds the simulation as it is against the laws; call it after every [`advance`](Simulation::advance). Where balls
+    /// came or went, or the world or the solver is another, the accounts begin anew.
+    ///
+    /// # Errors
+    /// The first [`Violation`]; the ledger then still has the frame before.
+    pub fn check(&mut self, simulation: &Simulation) -> Result<(), Violation> {
+        check_finite(simulation.balls())?;
+        let before = &self.before;
+        let changed = before.balls.len() != simulation.balls.len()
+            || before.world != simulation.world
+            || before.solver != simulation.solver;
+        if !changed && is_whole(simulation) {
+            self.check_walls(simulation)?;
+        }
+        if changed || before.outside {
+            // What walls do to balls that were put beyond them is no law of motion.
+            *self = Self { flights: self.flights, ..Self::new(simulation) };
+            return Ok(());
+        }
+        self.base.moving = self.base.moving.max(moving(&simulation.balls));
+        if is_whole(simulation) {
+            let energy = self.check_energy(simulation)?;
+            self.check_momentum(simulation)?;
+            self.before.energy = energy;
+            let any = simulation.solver == Solver::Contact && self.is_beyond_contact(simulation);
+            self.base.least = if any { energy } else { self.base.least.min(energy) };
+            self.base.scale = self.base.scale.max(scale(&simulation.world, &simulation.balls));
+        }
+        self.check_overlap(simulation)?;
+        self.check_flights(simulation)?;
+        self.before.balls.copy_from_slice(&simulation.balls);
+        (self.before.time, self.before.whole) = (simulation.time, is_whole(simulation));
+        Ok(())
+    }
+
+    fn check_walls(&self, simulation: &Simulation) -> Result<(), Violation> {
+        let world = &simulation.world;
+        if world.walls.is_none() {
+            return Ok(());
+        }
+        for (index, (ball, before)) in simulation.balls.iter().zip(&self.before.balls).enumerate() {
+            let allowed = beyond_walls(world, before).max(reach(world, ball));
+            let found = beyond_walls(world, ball);
+            if !ball.is_fixed() && found > allowed {
+                return Err(Violation { law: Law::Walls, ball: Some(index), found, allowed });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_overlap(&mut self, simulation: &Simulation) -> Result<(), Violation> {
+        if simulation.world.pairs != Some(Pairs::Impulse) || simulation.solver != Solver::Exact {
+            return Ok(());
+        }
+        let allowed = self.base.overlap + TOUCH;
+        match deepest_overlap(&mut self.grid, &simulation.balls) {
+            Some((ball, found)) if found > allowed => {
+                Err(Violation { law: Law::Overlap, ball: Some(ball), found, allowed })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The energy, where it is lawful.
+    fn check_energy(&self, simulation: &Simulation) -> Result<f64, Violation> {
+        let (world, balls, base) = (&simulation.world, simulation.balls(), &self.base);
+        let energy = kinetic_energy(balls) + potential_energy(world, balls);
+        let deepest = world.gravity.unwrap_or_default().abs().dot(world.size) * base.mass;
+        let rounding = ROUNDING * base.scale.max(scale(world, balls)) + EPSILON * deepest;
+        let allowed = rounding
+            + match (simulation.solver, world.gravity) {
+                (Solver::Canvas, None) => self.before.energy,
+                (Solver::Canvas, Some(gravity)) => self.before.energy + self.lifted(gravity, simulation.time),
+                (Solver::Exact | Solver::Contact, None) => base.least,
+                (Solver::Exact, Some(_)) => {
+                    base.least + 0.5 * base.mass * simulation.tuning.rest_speed * simulation.tuning.rest_speed
+                }
+                (Solver::Contact, Some(_)) if self.is_beyond_contact(simulation) => f64::INFINITY,
+                (Solver::Contact, Some(gravity)) => {
+                    // What begins to be held may show two kicks for a substep.
+                    let kicks = 2.0 * gravity.length() / f64::from(substeps(simulation));
+                    base.least + CONTACT_LIFT * base.scale + 0.5 * base.mass * kicks * kicks
+                }
+            };
+        if energy > allowed {
+            return Err(Violation { law: Law::Energy, ball: None, found: energy, allowed });
+        }
+        let least = base.scale - rounding;
+        if base.lossless && energy < least {
+            return Err(Violation { law: Law::EnergyKept, ball: None, found: energy, allowed: least });
+        }
+        Ok(energy)
+    }
+
+    /// Whether `contact` under gravity promises nothing of the energy.
+    fn is_beyond_contact(&self, simulation: &Simulation) -> bool {
+        let overlapped = self.base.overlap > TOUCH && simulation.world.pairs == Some(Pairs::Impulse);
+        overlapped || self.any_fast(simulation)
+    }
+
+    /// Whether a ball moves farther than its radius in a substep of `contact`, or did a frame ago.
+    fn any_fast(&self, simulation: &Simulation) -> bool {
+        let substep = 1.0 / f64::from(substeps(simulation));
+        let fast = |ball: &Ball| ball.velocity.length() * substep > ball.radius;
+        simulation.balls.iter().any(fast) || self.before.balls.iter().any(fast)
+    }
+
+    /// By how much `canvas` may lift balls out of walls in this frame, mass·px²/s²: each by no more than it moved.
+    fn lifted(&self, gravity: DVec2, now: f64) -> f64 {
+        if self.before.world.walls.is_none() {
+            return 0.0;
+        }
+        let seconds = now - self.before.time;
+        let lift = |ball: &Ball| {
+            let moved = (ball.velocity.abs() + gravity.abs() * seconds) * seconds;
+            ball.mass * gravity.abs().dot(moved)
+        };
+        self.before.balls.iter().filter(|ball| !ball.is_fixed()).map(lift).sum()
+    }
+
+    fn check_momentum(&self, simulation: &Simulation) -> Result<(), Violation> {
+        let (world, base) = (&simulation.world, &self.base);
+        let all_told = match simulation.solver {
+            Solver::Canvas => true,
+            Solver::Exact => world.walls.is_none() || (world.gravity.is_none() && base.roomy),
+            Solver::Contact => world.walls.is_none() && base.overlap <= TOUCH,
+        };
+        if base.fixed || !all_told {
+            return Ok(());
+        }
+        let seconds = simulation.time - base.time;
+        let fallen = world.gravity.unwrap_or_default() * (base.mass * seconds);
+        let tallied = simulation.tally.wall_impulse.length() + base.tally.wall_impulse.length();
+        let given = simulation.tally.wall_impulse - base.tally.wall_impulse;
+        let found = momentum(simulation.balls()) - (base.momentum + fallen + given);
+        // What is held shows its mean velocity through a substep, what flies the one at its end.
+        let held = match simulation.solver {
+            Solver::Canvas | Solver::Exact => 0.0,
+            Solver::Contact => 2.0 / f64::from(substeps(simulation)),
+        };
+        let hits = (simulation.tally.wall_hits - base.tally.wall_hits) as f64;
+        let rounding = ROUNDING + ROUNDING_OF_IMPACT * hits;
+        let allowed = rounding * (base.moving + fallen.length() + given.length())
+            + EPSILON * tallied
+            + base.mass * world.gravity.unwrap_or_default().length() * (instant(simulation) + held);
+        let found = found.length();
+        if found > allowed {
+            return Err(Violation { law: Law::Momentum, ball: None, found, allowed });
+        }
+        Ok(())
+    }
+
+    fn check_flights(&self, simulation: &Simulation) -> Result<(), Violation> {
+        let world = &simulation.world;
+        let seconds = simulation.time - self.before.time;
+        let gravity = world.gravity.unwrap_or_default();
+        let bounces = world.pairs == Some(Pairs::Impulse);
+        let told = match simulation.solver {
+            Solver::Canvas | Solver::Exact => true,
+            Solver::Contact => {
+                !bounces && self.before.whole && is_whole(simulation) && !self.any_fast(simulation)
+            }
+        };
+        if !(self.flights && told) {
+            return Ok(());
+        }
+        let instant = instant(simulation);
+        let balls = self.before.balls.iter().zip(&simulation.balls).zip(&simulation.touching);
+        for (index, ((before, ball), &touching)) in balls.enumerate() {
+            if before.is_fixed() || (bounces && touching) {
+                continue;
+            }
+            if !stays_inside(world, before, gravity, seconds) {
+                continue;
+            }
+            // The demo's step moves a ball by its velocity after the frame, not by the mean.
+            let share = if simulation.solver == Solver::Canvas { 1.0 } else { 0.5 };
+            let path = (before.velocity + gravity * (share * seconds)) * seconds;
+            let found = ball.position.distance(before.position + path);
+            let speed = before.velocity.length() + gravity.length() * seconds;
+            let rounding = ROUNDING * (speed * seconds) + EPSILON * before.position.length();
+            let allowed = rounding + speed * instant;
+            if found > allowed {
+                return Err(Violation { law: Law::Flight, ball: Some(index), found, allowed });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Before {
+    fn new(simulation: &Simulation, energy: f64) -> Self {
+        let Simulation { world, solver, time, ref balls, .. } = *simulation;
+        let out = |ball: &Ball| !ball.is_fixed() && beyond_walls(&world, ball) > reach(&world, ball);
+        Self {
+            world,
+            solver,
+            time,
+            energy,
+            whole: is_whole(simulation),
+            outside: world.walls.is_some() && balls.iter().any(out),
+            balls: balls.clone(),
+        }
+    }
+}
+
+impl Base {
+    fn new(simulation: &Simulation, grid: &mut Grid) -> Self {
+        let Simulation { world, tally, time, ref balls, .. } = *simulation;
+        let overlap = deepest_overlap(grid, balls);
+        let covered: f64 = balls.iter().map(|ball| 4.0 * ball.radius * ball.radius).sum();
+        let widest = balls.iter().map(|ball| 2.0 * ball.radius).fold(0.0, f64::max);
+        let roomy = covered < ROOMY * world.size.x * world.size.y
+            && widest < ROOMY * world.size.min_element()
+            && (overlap.is_none_or(|(_, depth)| depth <= TOUCH) || world.pairs != Some(Pairs::Impulse));
+        let elastic = balls.iter().all(|ball| ball.restitution == 1.0)
+            && world.walls.is_none_or(|restitution| restitution == 1.0)
+            && world.gravity.is_none();
+        Self {
+            momentum: momentum(balls),
+            tally,
+            time,
+            mass: balls.iter().filter(|ball| !ball.is_fixed()).map(|ball| ball.mass).sum(),
+            scale: scale(&world, balls),
+            least: kinetic_energy(balls) + potential_energy(&world, balls),
+            moving: moving(balls),
+            overlap: overlap.map_or(0.0, |(_, depth)| depth),
+            fixed: balls.iter().any(Ball::is_fixed),
+            roomy,
+            lossless: elastic && roomy,
+        }
+    }
+}
+
+/// Whether the state is one that the solver has computed: `contact` only shows what lies between two of its substeps.
+fn is_whole(simulation: &Simulation) -> bool {
+    let steps = simulation.time * f64::from(substeps(simulation));
+    simulation.solver != Solver::Contact || (steps - steps.round()).abs() <= WHOLE
+}
+
+/// What times are known to, s.
+fn instant(simulation: &Simulation) -> f64 {
+    let shown = match simulation.solver {
+        Solver::Canvas | Solver::Exact => INSTANT,
+        Solver::Contact => INSTANT + WHOLE / f64::from(substeps(simulation)),
+    };
+    shown + EPSILON * simulation.time
+}
+
+fn substeps(simulation: &Simulation) -> u32 {
+    simulation.tuning.substeps.unwrap_or(SUBSTEPS)
+}
+
+/// Whether a ball that flies freely touches no wall for so many seconds: it is never nearer to one than a small part of
+/// its radius.
+fn stays_inside(world: &World, ball: &Ball, gravity: DVec2, seconds: f64) -> bool {
+    if world.walls.is_none() {
+        return true;
+    }
+    let margin = ball.radius * (1.0 + TOUCH) + EPSILON * world.size.max_element();
+    (0..2).all(|axis| {
+        let (at, velocity, pull) = (ball.position[axis], ball.velocity[axis], gravity[axis]);
+        let (low, high) = (margin, world.size[axis] - margin);
+        let inside = |way: f64| at + way > low && at + way < high;
+        let flown = |time: f64| inside((velocity + 0.5 * pull * time) * time);
+        let turn = -velocity / pull;
+        let turns = turn > 0.0 && turn < seconds;
+        // The demo's step goes beyond the parabola.
+        let beyond = (velocity + pull * seconds) * seconds;
+        inside(0.0) && flown(seconds) && (!turns || flown(turn)) && inside(beyond)
+    })
+}
+
+fn check_finite(balls: &[Ball]) -> Result<(), Violation> {
+    let lost = |ball: &Ball| !(ball.position.is_finite() && ball.velocity.is_finite());
+    match balls.iter().position(lost) {
+        Some(ball) => Err(Violation { law: Law::Finite, ball: Some(ball), found: 1.0, allowed: 0.0 }),
+        None => Ok(()),
+    }
+}
+
+/// The pair that overlaps most, by the first of the two, and by how much of the smaller radius; what rounding makes of
+/// touching balls does not count.
+fn deepest_overlap(grid: &mut Grid, balls: &[Ball]) -> Option<(usize, f64)> {
+    let mut deepest: Option<(usize, f64)> = None;
+    grid.for_each(balls, |i, j| {
+        let (a, b) = (&balls[i as usize], &balls[j as usize]);
+        if a.is_fixed() && b.is_fixed() {
+            return;
+        }
+        let rounding = EPSILON * a.position.abs().max_element();
+        let depth = a.radius + b.radius - a.position.distance(b.position) - rounding;
+        let depth = depth / a.radius.min(b.radius);
+        if depth > deepest.map_or(0.0, |(_, deepest)| deepest) {
+            deepest = Some((i as usize, depth));
+        }
+    });
+    deepest
+}
+
+/// How far a ball reaches beyond a wall, px; negative inside.
+fn beyond_walls(world: &World, ball: &Ball) -> f64 {
+    let before = DVec2::splat(ball.radius) - ball.position;
+    let behind = ball.position + ball.radius - world.size;
+    before.max(behind).max_element()
+}
+
+/// How far rounding lets a ball reach beyond a wall, px.
+fn reach(world: &World, ball: &Ball) -> f64 {
+    TOUCH * ball.radius + EPSILON * world.size.max_element()
+}
+
+/// The energy as the sum of what each ball has, whatever the sign: what rounding is a part of.
+fn scale(world: &World, balls: &[Ball]) -> f64 {
+    let potential = |&ball: &Ball| potential_energy(world, &[ball]).abs();
+    kinetic_energy(balls) + balls.iter().map(potential).sum::<f64>()
+}
+
+/// The sum of the balls' momenta, whatever their directions.
+fn moving(balls: &[Ball]) -> f64 {
+    let free = balls.iter().filter(|ball| !ball.is_fixed());
+    free.map(|ball| ball.mass * ball.velocity.length()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::{Advance, Frame, Part};
+
+    /// A solver that does one thing wrong, and nothing else.
+    #[derive(Debug)]
+    struct Doctored(fn(&mut Frame<'_>));
+
+    impl Advance for Doctored {
+        fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, _: &mut dyn FnMut() -> bool) -> f64 {
+            for ball in &mut *frame.balls {
+                ball.position += ball.velocity * seconds;
+            }
+            (self.0)(frame);
+            seconds
+        }
+
+        fn parts(&self, _: &World) -> Vec<Part> {
+            Vec::new()
+        }
+    }
+
+    /// What the ledger says of a frame of two balls in a box without gravity.
+    fn judged(solver: Solver, wrong: fn(&mut Frame<'_>)) -> Result<(), Law> {
+        let world = World::new(DVec2::splat(100.0)).unwrap().with_walls(1.0).unwrap();
+        let ball =
+            |x| Ball::new(DVec2::new(x, 50.0), 10.0).unwrap().with_velocity(DVec2::new(3.0, 4.0)).unwrap();
+        let balls = vec![ball(30.0), ball(60.0)];
+        let mut simulation = Simulation::new(world.with_pairs(Pairs::Impulse), balls, solver).unwrap();
+        simulation.engine = Box::new(Doctored(wrong));
+        let mut ledger = Ledger::new(&simulation);
+        simulation.advance(0.25).unwrap();
+        let judged = ledger.check(&simulation).map_err(|violation| violation.law);
+        assert_eq!(ledger.time_before(), if judged.is_ok() { 0.25 } else { 0.0 });
+        judged
+    }
+
+    #[test]
+    fn each_law_is_broken_by_what_breaks_it_and_by_nothing_else() {
+        assert_eq!(judged(Solver::Exact, |_| {}), Ok(()));
+        assert_eq!(judged(Solver::Exact, |frame| frame.balls[1].velocity.x = f64::NAN), Err(Law::Finite));
+        assert_eq!(judged(Solver::Exact, |frame| frame.balls[1].position.x = 90.1), Err(Law::Walls));
+        assert_eq!(judged(Solver::Exact, |frame| frame.balls[0].position.x += 15.0), Err(Law::Overlap));
+        assert_eq!(judged(Solver::Canvas, |frame| frame.balls[0].velocity *= 1.1), Err(Law::Energy));
+        assert_eq!(judged(Solver::Exact, |frame| frame.balls[0].velocity *= 0.9), Err(Law::EnergyKept));
+        assert_eq!(judged(Solver::Exact, |frame| frame.balls[0].velocity *= -1.0), Err(Law::Momentum));
+        assert_eq!(judged(Solver::Exact, |frame| frame.balls[0].position.x += 1.0), Err(Law::Flight));
+        // What a solver is not held to.
+        assert_eq!(judged(Solver::Contact, |frame| frame.balls[0].position.x += 15.0), Ok(()));
+        assert_eq!(judged(Solver::Contact, |frame| frame.balls[0].velocity *= -1.0), Ok(()));
+    }
+
+    #[test]
+    fn what_walls_give_is_in_the_account_of_the_momentum() {
+        let turned = |frame: &mut Frame<'_>| {
+            let change = -2.0 * frame.balls[0].velocity;
+            frame.balls[0].velocity += change;
+            frame.tally.wall_impulse += change;
+        };
+        assert_eq!(judged(Solver::Exact, turned), Ok(()));
+    }
+
+    #[test]
+    fn another_world_begins_new_accounts() {
+        let world = World::new(DVec2::splat(100.0)).unwrap().with_gravity(DVec2::new(0.0, 10.0)).unwrap();
+        let ball = Ball::new(DVec2::splat(50.0), 1.0).unwrap();
+        let mut simulation = Simulation::new(world, vec![ball], Solver::Exact).unwrap();
+        let mut ledger = Ledger::new(&simulation);
+        simulation.set_gravity(DVec2::new(0.0, 1000.0)).unwrap();
+        simulation.advance(1.0).unwrap();
+        assert_eq!(ledger.check(&simulation), Ok(()));
+        simulation.add(&[ball]).unwrap();
+        simulation.advance(1.0).unwrap();
+        assert_eq!(ledger.check(&simulation), Ok(()));
+    }
+}
