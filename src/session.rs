@@ -9,7 +9,7 @@ use glam::DVec2;
 use thiserror::Error;
 
 use crate::scene::{self, Rain, Scene, SceneError};
-use crate::simulation::limits::GRAVITY;
+use crate::simulation::limits::{GRAVITY, MAX_BALLS};
 use crate::simulation::{Ball, BuildError, Simulation, Solver, World};
 
 /// The slowest and the fastest time scale.
@@ -300,6 +300,10 @@ impl Session {
 
     fn add_random(&mut self, count: usize) -> Result<(), CommandError> {
         let (world, balls) = (self.simulation.world(), self.simulation.balls());
+        let total = balls.len().saturating_add(count);
+        if total > MAX_BALLS {
+            return Err(BuildError::TooManyBalls { count: total }.into());
+        }
         let balls = scene::filling(count, world, balls, self.seed).place(world, balls, self.additions);
         self.additions += 1;
         self.simulation.add(&balls)?;

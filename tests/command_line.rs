@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -321,6 +322,60 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
     for (args, message) in cases {
         fail(&here, args, 2, message);
     }
+}
+
+#[test]
+fn more_than_there_may_be_is_refused_before_it_is_made() {
+    let here = folder();
+    let write = |name: &str, text: &str| fs::write(here.path().join(name), text).unwrap();
+    write("one.toml", "[[fill]]\ncount = 1000000000\nradius = 0.001\n");
+    write("sum.toml", &"[[fill]]\ncount = 4000000\nradius = 0.001\n".repeat(3));
+    let keys: Vec<String> = (0..100_000).map(|key| format!("key{key} = 1\n")).collect();
+    write("keys.toml", &keys.concat());
+    write("digits.txt", &"9".repeat(1_000_000));
+    fs::create_dir(here.path().join("folder.toml")).unwrap();
+    // Longer than any may be, and all of it nothing.
+    fs::File::create(here.path().join("long.toml")).unwrap().set_len((1 << 27) + 1).unwrap();
+    fs::File::create(here.path().join("long.txt")).unwrap().set_len((1 << 28) + 1).unwrap();
+    let cases: &[(&[&str], &str)] = &[
+        (&["run", "one.toml"], "one.toml:2: count is 1000000000; a simulation takes at most 10000000 balls"),
+        (
+            &["run", "sum.toml"],
+            "sum.toml:8: the scene has 12000000 balls; a simulation takes at most 10000000",
+        ),
+        (&["run", "draw", "--balls", "1000000000"], "1000000001 balls are too many; the most is 10000000"),
+        (&["run", "draw", "--balls", "18446744073709551615"], "balls are too many; the most is 10000000"),
+        (&["run", "keys.toml"], "keys.toml:1: unknown field `key0`, expected one of"),
+        (&["run", "long.toml"], "long.toml has more than 134217728 bytes"),
+        (&["run", "draw", "--deltas", "long.txt"], "long.txt: the file has more than 268435456 bytes"),
+        (&["run", "draw", "--deltas", "digits.txt"], "digits.txt:1: delta is inf s"),
+        (&["run", "draw", "--deltas", "folder.toml"], "folder.toml: Is a directory"),
+        (&["run", "folder.toml"], "folder.toml: Is a directory"),
+        (&["run", "draw", "--seconds", "1e9", "--fps", "1e9"], "ask for at most 1e15"),
+    ];
+    for (args, message) in cases {
+        let begun = Instant::now();
+        fail(&here, args, 2, message);
+        assert!(begun.elapsed() < Duration::from_secs(20), "{args:?} took {:?}", begun.elapsed());
+    }
+}
+
+#[test]
+fn a_run_that_is_checked_keeps_the_laws_and_says_no_more() {
+    let here = folder();
+    for (scene, solver) in
+        [("gravity", "canvas"), ("gravity", "exact"), ("gravity", "contact"), ("rain", "contact")]
+    {
+        let run = ["run", scene, "--solver", solver, "--seconds", "3"];
+        succeed(&here, &[&run[..], &["--check", "--trace", "checked.csv"]].concat());
+        succeed(&here, &[&run[..], &["--trace", "unchecked.csv"]].concat());
+        let trace = |name| fs::read(here.path().join(name)).unwrap();
+        assert!(
+            trace("checked.csv") == trace("unchecked.csv"),
+            "{scene} with {solver}: a check changes nothing"
+        );
+    }
+    assert_eq!(names(here.path()), ["checked.csv", "unchecked.csv"]);
 }
 
 #[test]

@@ -217,7 +217,7 @@ fn any_seed_of_rain_that_a_file_may_have_reads_back() {
 }
 
 #[test]
-fn no_ball_takes_more_than_its_share_of_the_longest_file() {
+fn no_ball_takes_more_than_256_bytes() {
     // Numbers of the most digits: a sign, 17 digits with a point, and three of an exponent.
     let digits = -1.234_567_890_123_456_7e-300;
     let world = World::new(DVec2::ONE).unwrap();

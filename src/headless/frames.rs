@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::scene::shown;
 use crate::simulation::limits::{DELTA, OutOfRange};
 
 /// The frames of a run, one delta in seconds each.
@@ -63,6 +64,8 @@ const LONGEST: f64 = 1e9;
 const MOST_FRAMES: f64 = 1e15;
 /// The longest file of deltas, bytes: ten million frames.
 const LONGEST_FILE: u64 = 1 << 28;
+/// So many characters of a line that is no delta are shown.
+const ENTRY_MOST: usize = 60;
 /// Time that is a whole number of frames but for this part of one is a whole number of frames.
 const ROUNDING: f64 = 1e-6;
 
@@ -101,13 +104,23 @@ impl Frames {
     /// [`FramesError`] where it cannot be read, or a line is not a delta.
     pub fn read(path: &Path) -> Result<Self, FramesError> {
         let text = read(path).map_err(|source| FramesError::Unreadable { path: path.to_owned(), source })?;
+        Self::parse(path, &text)
+    }
+
+    /// The deltas of such a file's text; messages call it `path`.
+    ///
+    /// # Errors
+    /// [`FramesError`] where a line is not a delta, or there is none.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, FramesError> {
         let mut deltas = Vec::new();
         for (line, entry) in (1..).zip(text.lines().map(str::trim)) {
             if entry.is_empty() || entry.starts_with('#') {
                 continue;
             }
             let wrong = |message| FramesError::Line { path: path.to_owned(), line, message };
-            let delta: f64 = entry.parse().map_err(|_| wrong(format!("\"{entry}\" is not a number")))?;
+            let delta: f64 = entry
+                .parse()
+                .map_err(|_| wrong(format!("\"{}\" is not a number", shown(entry, ENTRY_MOST))))?;
             deltas.push(DELTA.check(delta).map_err(|error: OutOfRange| wrong(error.to_string()))?);
         }
         if deltas.is_empty() {

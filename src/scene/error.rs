@@ -68,22 +68,32 @@ pub struct Fault {
 }
 
 /// Longer lines are cut in messages.
-const SHOWN_MOST: usize = 100;
+const LINE_MOST: usize = 100;
+/// So are longer messages: the parser's own quote keys, which may be as long as the file.
+const MESSAGE_MOST: usize = 500;
+
+/// What a file says, as a message may quote it: at most so many characters, and none that a terminal would obey.
+pub(crate) fn shown(text: &str, most: usize) -> String {
+    let plain = |c: char| if c.is_control() && c != '\n' { char::REPLACEMENT_CHARACTER } else { c };
+    let mut shown: String = text.chars().take(most).map(plain).collect();
+    if text.chars().nth(most).is_some() {
+        shown.push('…');
+    }
+    shown
+}
 
 impl Fault {
     /// A fault at the byte `offset` of `source`.
-    pub(super) fn at(origin: &str, source: &str, offset: Option<usize>, message: String) -> Self {
+    pub(super) fn at(origin: &str, source: &str, offset: Option<usize>, message: &str) -> Self {
+        let (origin, message) = (origin.to_owned(), shown(message, MESSAGE_MOST));
         let Some(offset) = offset else {
-            return Self { origin: origin.to_owned(), line: None, text: String::new(), message };
+            return Self { origin, line: None, text: String::new(), message };
         };
         // An offset within a character, which the parser never gives, counts as the line's end.
         let before = source.get(..offset).unwrap_or(source);
         let line = 1 + before.matches('\n').count();
-        let mut text: String = source.lines().nth(line - 1).unwrap_or_default().trim_end().to_owned();
-        if text.chars().count() > SHOWN_MOST {
-            text = text.chars().take(SHOWN_MOST).chain(['…']).collect();
-        }
-        Self { origin: origin.to_owned(), line: Some(line), text, message }
+        let text = shown(source.lines().nth(line - 1).unwrap_or_default().trim_end(), LINE_MOST);
+        Self { origin, line: Some(line), text, message }
     }
 }
 

@@ -26,10 +26,11 @@ pub(super) const SEED_DEFAULT: u64 = 1;
 
 /// Reads a scene from its text. `origin` is what messages call it.
 pub(super) fn parse(origin: &str, source: &str) -> Result<Scene, Fault> {
-    let fault = |at: At| Fault::at(origin, source, at.offset, at.message);
+    let fault = |at: At| Fault::at(origin, source, at.offset, &at.message);
     let file: File = toml::from_str(source).map_err(|error| {
         // The one message of the parser's that does not say what to write.
         let message = error.message().replace("invalid type: map, expected a sequence", ONE_BRACKET);
+        let message = if message.contains(TOO_DEEP) { ONE_LEVEL.to_owned() } else { message };
         fault(At { offset: error.span().map(|span| span.start), message })
     })?;
     file.into_scene(origin).map_err(fault)
@@ -38,6 +39,16 @@ pub(super) fn parse(origin: &str, source: &str) -> Result<Scene, Fault> {
 /// What is said of `[ball]` and `[fill]`.
 const ONE_BRACKET: &str =
     "this table may come more than once; write its name in two brackets: [[ball]], [[fill]]";
+
+/// What the parser says of tables and arrays that are nested a hundred deep and more.
+const TOO_DEEP: &str = "recurs";
+/// What is said of them.
+const ONE_LEVEL: &str =
+    "this is nested too deep; a scene file has no tables in tables, and no arrays in arrays";
+/// The most characters of a scene's description.
+const LONGEST_ABOUT: usize = 1000;
+/// The most fills of a scene: each looks at all balls before it.
+const MOST_FILLS: usize = 1000;
 
 /// A message and the byte that it is about.
 struct At {
@@ -67,7 +78,7 @@ const DEFAULT_SOLVER: Solver = Solver::Exact;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    about: Option<String>,
+    about: Option<Spanned<String>>,
     solver: Option<Spanned<String>>,
     size: Option<Spanned<Pair>>,
     gravity: Option<Spanned<Pair>>,
@@ -185,6 +196,11 @@ impl File {
             }
             balls.push(ball);
         }
+        if let Some(table) = self.fills.get(MOST_FILLS) {
+            let message =
+                format!("the scene has more than {MOST_FILLS} fills; write fewer, of more balls each");
+            return Err(at(table.span(), message));
+        }
         let mut fills = Vec::with_capacity(self.fills.len());
         let mut total = balls.len();
         for table in &self.fills {
@@ -197,7 +213,14 @@ impl File {
             fills.push(fill);
         }
         let rain = self.rain.map(|rain| rain.rain(size)).transpose()?;
-        let about = self.about.unwrap_or_default();
+        let about = self.about.map_or(Ok(String::new()), |about| {
+            let count = about.get_ref().chars().count();
+            if count <= LONGEST_ABOUT {
+                return Ok(about.into_inner());
+            }
+            let message = format!("about has {count} characters; write at most {LONGEST_ABOUT}");
+            Err(at(about.span(), message))
+        })?;
         Ok(Scene {
             origin: origin.to_owned(),
             source: String::new(),

@@ -66,12 +66,14 @@ use std::path::Path;
 use glam::DVec2;
 
 pub use catalogue::{STAGES, names};
+pub(crate) use error::shown;
 pub use error::{Fault, SceneError};
 pub use fill::Fill;
 pub(crate) use fill::{filling, like_the_last};
 pub use listing::Listing;
 pub use rain::Rain;
 pub use write::write;
+
 
 use crate::simulation::limits::MAX_BALLS;
 use crate::simulation::{Ball, Simulation, Solver, World};
@@ -80,8 +82,8 @@ use crate::simulation::{Ball, Simulation, Solver, World};
 pub const DEFAULT_SIZE: DVec2 = DVec2::new(1280.0, 720.0);
 /// The scene that the program opens with.
 pub const DEFAULT_SCENE: &str = "gravity";
-/// The longest scene file: room for as many balls as there may be, however many digits they have.
-const LONGEST_FILE: u64 = MAX_BALLS as u64 * write::LONGEST_BALL;
+/// The longest scene file, bytes: that of two million balls. The parser takes up to fifty times as much memory.
+const LONGEST_FILE: u64 = 1 << 27;
 
 /// A scene: a world, balls, random fills, and the solver that suits them.
 ///
@@ -224,7 +226,7 @@ impl Scene {
                     placed.len(),
                     fill.count
                 );
-                return Err(SceneError::Wrong(Fault::at(&self.origin, &self.source, fill.offset, message)));
+                return Err(SceneError::Wrong(Fault::at(&self.origin, &self.source, fill.offset, &message)));
             }
             balls.extend(placed);
         }

@@ -9,7 +9,7 @@ use super::rain::Rain;
 use crate::simulation::limits::{COORDINATE, Quantity, VELOCITY};
 use crate::simulation::{Ball, Pairs, Simulation, World};
 
-/// A simulation as it is now, as a scene file that [`Scene::parse`](super::Scene::parse) always takes: read and built, it
+/// A simulation as it is now, as a scene file that [`Scene::parse`](super::Scene::parse) takes: read and built, it
 /// gives the same world, solver and balls, to the bit, and in the same order. `rain` is what falls into it, if anything
 /// does, and `about` one line on what it shows.
 ///
@@ -18,6 +18,9 @@ use crate::simulation::{Ball, Pairs, Simulation, World};
 /// `with_rest_speed`, `with_substeps` and `with_sleep` have set; and what a solver remembers, such as which balls sleep
 /// and what is left of a substep. So what is read goes on as the simulation would after
 /// [`set_solver`](Simulation::set_solver). Rain begins again with its first balls.
+///
+/// A ball takes 256 bytes at most, so a file of half a million balls is never longer than one that is read; ten million
+/// may be.
 ///
 /// Three things are written other than they are, so that the file can be read. Coordinates and velocities that a run has
 /// taken [beyond their limits](crate::simulation::limits) become the nearest that a file may hold, which a comment at the
@@ -38,9 +41,6 @@ use crate::simulation::{Ball, Pairs, Simulation, World};
 pub fn write(simulation: &Simulation, rain: Option<&Rain>, about: &str) -> String {
     File { simulation, rain, about }.to_string()
 }
-
-/// The most bytes that one ball takes.
-pub(super) const LONGEST_BALL: u64 = 256;
 
 struct File<'a> {
     simulation: &'a Simulation,
