@@ -152,12 +152,16 @@ fn a_folder_that_may_only_be_read_is_an_error_at_once() {
     use std::os::unix::fs::PermissionsExt;
     let here = folder();
     fs::set_permissions(here.path(), fs::Permissions::from_mode(0o555)).unwrap();
-    let mut calls = vec![vec!["run", "gravity", "--seconds", "1e7", "--trace", "t.csv"]];
-    #[cfg(feature = "report")]
-    calls.extend([vec!["report", "--out", "."], vec!["report", "--out", "new"]]);
+    let calls: &[&[&str]] = &[
+        &["run", "gravity", "--seconds", "1e7", "--trace", "t.csv"],
+        #[cfg(feature = "report")]
+        &["report", "--out", "."],
+        #[cfg(feature = "report")]
+        &["report", "--out", "new"],
+    ];
     for args in calls {
         let begun = Instant::now();
-        let output = match as_anyone().args(&args).current_dir(here.path()).output() {
+        let output = match as_anyone().args(*args).current_dir(here.path()).output() {
             Ok(output) => output,
             Err(error) => {
                 eprintln!("skipped: nobody else may run the program here: {error}");
@@ -187,12 +191,18 @@ fn a_report_into_a_file_is_an_error_that_names_it() {
 #[test]
 fn whatever_prints_says_so_where_standard_output_is_full() {
     let here = folder();
-    let mut calls = vec!["scenes", "scenes --json", "scene galton", "run draw --seconds 0"];
-    calls.extend(["run draw --seconds 0 --trace -", "run draw --seconds 0 --image -", "run draw --gif -"]);
-    calls.push("run draw --seconds 0 --summary -");
-    #[cfg(feature = "report")]
-    calls.push("report --cell coincident/exact --quick");
-    for args in calls {
+    for args in [
+        "scenes",
+        "scenes --json",
+        "scene galton",
+        "run draw --seconds 0",
+        "run draw --seconds 0 --trace -",
+        "run draw --seconds 0 --image -",
+        "run draw --seconds 0 --summary -",
+        "run draw --gif -",
+        #[cfg(feature = "report")]
+        "report --cell coincident/exact --quick",
+    ] {
         let full = fs::File::options().write(true).open("/dev/full").unwrap();
         let mut command = Command::new(CAROM);
         let output = command.args(args.split(' ')).current_dir(here.path()).stdout(full).output().unwrap();

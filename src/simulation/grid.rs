@@ -369,7 +369,7 @@ fn reach(discs: &[impl Disc]) -> f64 {
         let small = radii.partition_point(|&radius| radius <= reach);
         let large = (radii.len() - small) as f64;
         let squares: f64 = radii[..small].iter().map(|radius| radius * radius).sum();
-        let in_cells = 4.5 * (small as f64).powi(2) * reach * reach / squares;
+        let in_cells = 4.5 * (small as f64 * small as f64) * reach * reach / squares;
         (in_cells + large * large / 2.0, reach)
     };
     let halvings = std::iter::successors(Some(largest), |reach| Some(reach / 2.0));

@@ -26,7 +26,8 @@ impl Approach {
     pub(super) fn of(setting: &Setting, first: &Body, second: &Body) -> Self {
         let distance = first.position - second.position;
         let closing = distance.dot(first.velocity - second.velocity);
-        let reach = (first.radius + second.radius).powi(2);
+        let reach = first.radius + second.radius;
+        let reach = reach * reach;
         let least = distance.length_squared() + 2.0 * closing.min(0.0) * setting.substep;
         Self { may_meet: least <= reach && closing < 0.0, closes_in: least <= reach * CLOSE }
     }
