@@ -42,7 +42,7 @@ pub struct Cli {
 pub enum Command {
     /// Run a scene without a window
     #[command(after_help = RUN_EXAMPLES)]
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Measure the solvers: error against run time, extreme cases, what each part costs
     #[cfg(feature = "report")]
     #[command(after_help = REPORT_EXAMPLES)]

@@ -25,7 +25,7 @@ fn main() -> ExitCode {
     signals::watch();
     let done = match cli.command {
         None => open_window(&cli.window),
-        Some(Command::Run(args)) => run(args),
+        Some(Command::Run(args)) => run(*args),
         #[cfg(feature = "report")]
         Some(Command::Report(args)) => write_report(args),
         Some(Command::Scenes { json }) => list_scenes(json),
