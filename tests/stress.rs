@@ -39,11 +39,11 @@ fn held(name: &str, solver: Solver, frames: u32) -> Result<String, String> {
     assert!((simulation.time() - f64::from(frames) * FRAME).abs() < 1e-6, "{name}: no time was lost");
     let tally = simulation.tally();
     Ok(format!(
-        "{name:<10} {solver:<8} {:>5} balls {:>10} impacts {:>10} on walls  energy {:+.3e} of {start:.3e}  overlap {deepest:.3}  {:.1} s",
+        "{name:<10} {solver:<8} {:>5} balls {:>10} impacts {:>10} on walls  energy {:.6e} after {start:.6e}  overlap {deepest:.3}  {:.1} s",
         simulation.balls().len(),
         tally.impacts,
         tally.wall_hits,
-        (energy(&simulation) - start) / start.max(f64::MIN_POSITIVE),
+        energy(&simulation),
         begun.elapsed().as_secs_f64()
     ))
 }
