@@ -41,12 +41,16 @@ fn through_shell(here: &Path, before: &str, args: &str) -> Output {
 
 /// A run that would go on for days, as soon as its outputs are begun.
 fn begin(here: &Path, before: &str) -> Child {
-    let run =
-        "run gravity --seconds 1e7 --trace t.csv --every 1000 --gif it.gif --image last.png --summary s.json";
-    let script = format!("{before}; exec \"$0\" {run}");
+    let run = "run gravity --seconds 1e7 --trace t.csv --every 1000 --gif it.gif --image last.png";
+    begin_call(here, before, run, 3)
+}
+
+/// The same of any call, with so many outputs.
+fn begin_call(here: &Path, before: &str, args: &str, outputs: usize) -> Child {
+    let script = format!("{before}; exec \"$0\" {args}");
     let child = Command::new("sh").args(["-c", &script, CAROM]).current_dir(here).spawn().unwrap();
     let begun = Instant::now();
-    while names(here).iter().filter(|name| name.starts_with(".carom-")).count() < 4 {
+    while names(here).iter().filter(|name| name.starts_with(".carom-")).count() < outputs {
         assert!(begun.elapsed() < Duration::from_secs(60), "no outputs were begun: {:?}", names(here));
         thread::sleep(Duration::from_millis(5));
     }
@@ -69,6 +73,16 @@ fn a_signal_ends_a_run_as_it_says_and_leaves_nothing_half_written() {
         assert_eq!(names(here.path()), ["t.csv"], "after SIG{name}");
         assert_eq!(fs::read_to_string(here.path().join("t.csv")).unwrap(), "old");
     }
+}
+
+#[cfg(feature = "report")]
+#[test]
+fn a_signal_ends_a_report_and_leaves_nothing_half_written() {
+    let here = folder();
+    let mut child = begin_call(here.path(), ":", "report --out .", 1);
+    send(&child, "INT");
+    assert_eq!(child.wait().unwrap().signal(), Some(2));
+    assert!(names(here.path()).is_empty(), "{:?}", names(here.path()));
 }
 
 #[cfg(target_os = "linux")]
