@@ -103,7 +103,7 @@ fn threads(count: usize) {
         ("falling", pile_scene(count), 0.0, 2.0),
         ("settled", pile_scene(count), settling, 0.5),
     ] {
-        let build = |team: u32| scene.build().unwrap().with_sleep(false).with_threads(team).unwrap();
+        let build = |team: u32| scene.build().unwrap().with_sleep(false).with_threads(team);
         let frames = (measured / FRAME).round() as usize;
         let mut best = vec![vec![f64::INFINITY; frames]; teams.len()];
         for _ in 0..3 {

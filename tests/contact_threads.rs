@@ -24,7 +24,7 @@ fn outcome(mut simulation: Simulation, frames: usize) -> Vec<[u64; 4]> {
 fn check(name: &str, text: &str, sleep: bool, frames: usize) {
     let scene = Scene::parse(name, text).unwrap();
     let run = |threads| {
-        let simulation = scene.build().unwrap().with_sleep(sleep).with_threads(threads).unwrap();
+        let simulation = scene.build().unwrap().with_sleep(sleep).with_threads(threads);
         outcome(simulation, frames)
     };
     let alone = run(1);
@@ -100,7 +100,7 @@ fn balls_that_are_added_are_the_same_for_any_number_of_threads() {
     );
     let scene = Scene::parse("rain", &text).unwrap();
     let run = |threads| {
-        let mut simulation = scene.build().unwrap().with_threads(threads).unwrap();
+        let mut simulation = scene.build().unwrap().with_threads(threads);
         for drop in 0..30 {
             // From one stripe to some.
             let place = DVec2::new(20.0 + 28.0 * f64::from(drop), 50.0);

@@ -62,6 +62,8 @@ mod write;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::OnceLock;
+use std::thread;
 
 use glam::DVec2;
 
@@ -73,7 +75,6 @@ pub(crate) use fill::{filling, like_the_last};
 pub use listing::Listing;
 pub use rain::Rain;
 pub use write::write;
-
 
 use crate::simulation::limits::MAX_BALLS;
 use crate::simulation::{Ball, Simulation, Solver, World};
@@ -154,6 +155,18 @@ impl Scene {
         Self { added: Some((count, seed.unwrap_or(file::SEED_DEFAULT))), ..self }
     }
 
+    /// The solver that moves it on.
+    #[must_use]
+    pub fn solver(&self) -> Solver {
+        self.solver
+    }
+
+    /// How many random balls were [added](Self::with_added), and their seed.
+    #[must_use]
+    pub fn added(&self) -> Option<(usize, u64)> {
+        self.added
+    }
+
     /// The same scene with other random balls: fills, rain and added balls are all drawn anew, the same for the same
     /// seed. Where [nothing is random](Self::has_random_parts) it is the same scene.
     ///
@@ -212,7 +225,7 @@ impl Scene {
         self.rain.clone()
     }
 
-    /// The simulation that this scene describes, at time 0, with its fills placed.
+    /// The simulation that this scene describes, at time 0, with its fills placed; it may use all cores.
     ///
     /// # Errors
     /// [`SceneError`] where balls do not fit.
@@ -241,8 +254,14 @@ impl Scene {
             }
             balls.extend(added);
         }
-        Ok(Simulation::new(self.world, balls, self.solver)?)
+        Ok(Simulation::new(self.world, balls, self.solver)?.with_threads(cores()))
     }
+}
+
+/// The number of cores, which takes files to read to find out.
+fn cores() -> u32 {
+    static CORES: OnceLock<u32> = OnceLock::new();
+    *CORES.get_or_init(|| thread::available_parallelism().map_or(1, |cores| cores.get() as u32))
 }
 
 /// Sets balls that are added apart from a file's fills of the same seed.

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::fill::Fill;
+use crate::simulation::invariants::{kinetic_energy, potential_energy};
 use crate::simulation::limits::{DELTA, OutOfRange, Quantity};
 use crate::simulation::{Ball, Simulation, World};
 
@@ -31,11 +32,13 @@ pub struct Rain {
     spells: u64,
     /// How many of the last spells found no room for any of their balls.
     in_vain: u32,
+    /// The energy that its balls came with, mass·px²/s².
+    energy: f64,
 }
 
 impl Rain {
     pub(super) fn new(fill: Fill, rate: f64) -> Self {
-        Self { fill, rate, time: (0.0, 0.0), spells: 0, in_vain: 0 }
+        Self { fill, rate, time: (0.0, 0.0), spells: 0, in_vain: 0, energy: 0.0 }
     }
 
     /// The same rain from its beginning, of other balls.
@@ -78,6 +81,12 @@ impl Rain {
         Ok(seconds - left + done)
     }
 
+    /// The kinetic and potential energy that its balls have come with so far, mass·px²/s².
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        self.energy
+    }
+
     /// The time until balls come again, s; `None` where the world is full.
     fn wait(&self) -> Option<f64> {
         let next = (self.spells + 1) as f64 * SPELL;
@@ -103,6 +112,9 @@ impl Rain {
         let balls = self.drops(count, simulation.world(), simulation.balls());
         let added = !balls.is_empty() && simulation.add(&balls).is_ok();
         self.in_vain = if added { 0 } else { self.in_vain + 1 };
+        if added {
+            self.energy += kinetic_energy(&balls) + potential_energy(simulation.world(), &balls);
+        }
     }
 
     fn drops(&self, count: usize, world: &World, present: &[Ball]) -> Vec<Ball> {

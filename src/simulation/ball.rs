@@ -48,6 +48,14 @@ impl Ball {
         })
     }
 
+    /// The same ball with its centre at `position` px.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where a coordinate is not in its range.
+    pub fn with_position(self, position: DVec2) -> Result<Self, OutOfRange> {
+        Ok(Self { position: COORDINATE.check_vector(position)?, ..self })
+    }
+
     /// The same ball, moving at `velocity` px/s.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ use super::{Advance, Frame, Part};
 const ALL_PAIRS_MOST: usize = 40;
 
 /// The canvas demo's frame step.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Canvas {
     search: Search,
     /// `None` where contacts are only detected.
@@ -27,7 +27,7 @@ pub(super) struct Canvas {
 }
 
 /// How touching pairs are found.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 enum Search {
     Nothing,
     AllPairs,
@@ -90,6 +90,11 @@ impl Advance for Canvas {
         seconds
     }
 
+    fn throw(&mut self, _: usize, _: &Ball) -> bool {
+        // It remembers no velocities.
+        true
+    }
+
     fn parts(&self, world: &World) -> Vec<Part> {
         let mut parts = Part::of_motion(world);
         match self.search {
@@ -101,6 +106,10 @@ impl Advance for Canvas {
             parts.push(Part::Impulse);
         }
         parts
+    }
+
+    fn boxed(&self) -> Box<dyn Advance> {
+        Box::new(self.clone())
     }
 }
 

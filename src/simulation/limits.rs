@@ -55,8 +55,8 @@ pub const DEFAULT_REST_SPEED: f64 = 1.0;
 /// Substeps in a second, of the solver that takes any: from as few as a film has pictures.
 pub const SUBSTEPS: Quantity = Quantity { name: "substeps", unit: "1/s", low: 24.0, high: 245_760.0 };
 
-/// Threads that share the work of a solver.
-pub const THREADS: Quantity = Quantity { name: "threads", unit: "", low: 1.0, high: 256.0 };
+/// The most threads that share the work of a substep.
+pub const MAX_THREADS: u32 = 256;
 
 /// The most balls that one simulation takes: their indices are `u32`, and ten million balls of `exact` fill three gigabytes.
 pub const MAX_BALLS: usize = 10_000_000;

@@ -27,7 +27,7 @@ use canvas::Canvas;
 use contact::Contact;
 use exact::Exact;
 use grid::Grid;
-use limits::{DEFAULT_REST_SPEED, DELTA, MAX_BALLS, OutOfRange, REST_SPEED, SUBSTEPS, THREADS};
+use limits::{DEFAULT_REST_SPEED, DELTA, MAX_BALLS, MAX_THREADS, OutOfRange, REST_SPEED, SUBSTEPS};
 pub use world::{Pairs, World};
 
 /// Balls, the world that they move in, and the solver that moves them.
@@ -42,7 +42,9 @@ pub use world::{Pairs, World};
 /// assert_eq!(simulation.balls()[0].velocity(), DVec2::new(-20.0, 0.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug)]
+///
+/// A clone goes on exactly as its original does: what the solver remembers is cloned, too.
+#[derive(Debug, Clone)]
 pub struct Simulation {
     world: World,
     balls: Vec<Ball>,
@@ -132,7 +134,7 @@ pub enum BuildError {
 ///
 /// A solver is made for one world and one set of balls, and decides then which of its parts run; whoever changes
 /// either makes it anew. It keeps what it needs between frames, and leaves in `frame` what is to be shown.
-trait Advance: fmt::Debug + Send {
+trait Advance: fmt::Debug + Send + Sync {
     /// Moves on by up to `seconds`, which is finite and not negative, and returns the seconds that it has moved on: less
     /// than asked for only where `go_on` said no. `go_on` is asked now and then where the work may be long, and not
     /// before some of it is done, so that every call gets on. `frame` then holds the state at the time returned.
@@ -142,8 +144,21 @@ trait Advance: fmt::Debug + Send {
     fn add(&mut self, _world: &World, _balls: &[Ball]) -> bool {
         false
     }
+    /// Takes up the velocity that the ball of this index was given from outside; whether it could. If not, it is made
+    /// anew.
+    fn throw(&mut self, _index: usize, _ball: &Ball) -> bool {
+        false
+    }
+    /// One that goes on exactly as this one does.
+    fn boxed(&self) -> Box<dyn Advance>;
     /// The parts that run.
     fn parts(&self, world: &World) -> Vec<Part>;
+}
+
+impl Clone for Box<dyn Advance> {
+    fn clone(&self) -> Self {
+        self.as_ref().boxed()
+    }
 }
 
 /// What a solver works on: the simulation less the solver itself.
@@ -200,7 +215,9 @@ impl Simulation {
     /// A smaller one follows more, and smaller, bounces: the hops that are left out are up to u²/2g high, a ball that
     /// bounces to rest does so up to 2u/g/(1 − e) seconds too early, and hops of all balls together add ½Mu²/4 to the
     /// energy at most, about; the number of chattering impacts of balls that lie on each other grows as 1/u. A rest speed
-    /// at which hops of a hundredth of the smallest radius would be left out counts as a smaller one.
+    /// at which hops of a hundredth of the smallest radius would be left out counts as a smaller one, and under gravity
+    /// stronger than the demo's 980 px/s² `exact` counts it in proportion. Balls that hold each other in balance, to a
+    /// thousandth of gravity, it lays to rest together; they stay so until something hits them faster than 2u.
     ///
     /// # Errors
     /// [`OutOfRange`] where the speed is not in the range of rest speeds.
@@ -240,15 +257,13 @@ impl Simulation {
 
     /// The same simulation with so many threads for [`Solver::Contact`], the only solver that shares its work: it does
     /// where there are some thousands of balls. The result is the same, to the bit, whatever the number. There is one
-    /// unless told otherwise, and always where carom is built without its feature `parallel`.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] where the number is not in the range of [`limits::THREADS`].
-    pub fn with_threads(mut self, threads: u32) -> Result<Self, OutOfRange> {
-        THREADS.check(f64::from(threads))?;
-        self.tuning.threads = threads;
+    /// unless told otherwise, and always where carom is built without its feature `parallel`; none count as one, and more
+    /// than [`limits::MAX_THREADS`] as so many.
+    #[must_use]
+    pub fn with_threads(mut self, threads: u32) -> Self {
+        self.tuning.threads = threads.clamp(1, MAX_THREADS);
         self.rebuild();
-        Ok(self)
+        self
     }
 
     /// The speed below which bouncing counts as rest, px/s.
@@ -347,10 +362,47 @@ impl Simulation {
 
     /// Takes the last ball away.
     pub fn remove_last(&mut self) -> Option<Ball> {
-        let ball = self.balls.pop();
-        self.touching.truncate(self.balls.len());
+        self.remove(self.balls.len().checked_sub(1)?)
+    }
+
+    /// Takes the ball of this index away, from 0; those behind it move up. `None` where there is none.
+    pub fn remove(&mut self, index: usize) -> Option<Ball> {
+        if index >= self.balls.len() {
+            return None;
+        }
+        let ball = self.balls.remove(index);
+        self.touching.remove(index);
         self.rebuild();
-        ball
+        Some(ball)
+    }
+
+    /// Gives the ball of this index, from 0, another velocity, px/s. Nothing happens where there is no such ball.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where a component is not in the range of velocities, which for a fixed ball is 0 alone; nothing
+    /// has changed then.
+    pub fn set_velocity(&mut self, index: usize, velocity: DVec2) -> Result<(), OutOfRange> {
+        let Some(ball) = self.balls.get_mut(index) else { return Ok(()) };
+        *ball = ball.with_velocity(velocity)?;
+        if !self.engine.throw(index, ball) {
+            self.rebuild();
+        }
+        Ok(())
+    }
+
+    /// Moves the ball of this index, from 0, to another place, px: inside the walls, where there are any. Nothing happens
+    /// where there is no such ball.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where a coordinate is not in its range; nothing has changed then.
+    pub fn set_position(&mut self, index: usize, position: DVec2) -> Result<(), OutOfRange> {
+        let Some(ball) = self.balls.get_mut(index) else { return Ok(()) };
+        *ball = ball.with_position(position)?;
+        if self.world.walls.is_some() {
+            ball.position = within(ball, self.world.size);
+        }
+        self.rebuild();
+        Ok(())
     }
 
     /// Moves the walls, and brings balls that are then outside back in, keeping their velocities; fixed balls stay where
@@ -367,9 +419,7 @@ impl Simulation {
         self.world = self.world.with_size(size)?;
         if self.world.walls.is_some() {
             for ball in self.balls.iter_mut().filter(|ball| !ball.is_fixed()) {
-                let radius = DVec2::splat(ball.radius);
-                // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
-                ball.position = ball.position.min(size - radius).max(radius);
+                ball.position = within(ball, size);
             }
         }
         self.rebuild();
@@ -395,6 +445,13 @@ impl Simulation {
     fn rebuild(&mut self) {
         self.engine = self.solver.engine(&self.world, &self.balls, self.tuning);
     }
+}
+
+/// The place nearest to a ball's where it is between walls.
+fn within(ball: &Ball, size: DVec2) -> DVec2 {
+    let radius = DVec2::splat(ball.radius);
+    // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
+    ball.position.min(size - radius).max(radius)
 }
 
 /// Whether `balls`, which come behind `before` others, fit into the world.
@@ -576,6 +633,10 @@ mod tests {
 
         fn parts(&self, _: &World) -> Vec<Part> {
             Vec::new()
+        }
+
+        fn boxed(&self) -> Box<dyn Advance> {
+            Box::new(Self)
         }
     }
 

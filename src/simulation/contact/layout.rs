@@ -64,7 +64,7 @@ impl Layout {
         }
         // A square of so many balls has their root on a side. Between two powers of two, the nearer by ratio.
         let half = 0.5 * WIDTH * (count as f64).sqrt();
-        let shift = ((half * 2.0_f64.sqrt()) as usize).ilog2();
+        let shift = ((half * std::f64::consts::SQRT_2) as usize).ilog2();
         Self { shift, own: count.div_ceil(2 << shift) }
     }
 

@@ -178,7 +178,7 @@ impl Contact {
             restitutions: balls.iter().map(|ball| ball.restitution).collect(),
             ids: (0..balls.len() as u32).collect(),
             near: (pairs || world.walls.is_some()).then(Near::default),
-            team: Team::new(tuning.threads),
+            team: Team::default(),
             pairs,
             held: Vec::new(),
             course: Course::default(),
@@ -387,8 +387,11 @@ impl Advance for Contact {
                 self.before = before;
             }
             // One stripe is not worth waking threads for.
-            let team =
-                if Layout::of(self.bodies.len()).is_cut() { self.team.clone() } else { Team::default() };
+            let is_cut = Layout::of(self.bodies.len()).is_cut();
+            if is_cut {
+                self.team.start(self.tuning.threads);
+            }
+            let team = if is_cut { self.team.clone() } else { Team::default() };
             team.gather(|| self.step(frame.tally));
             stopped = !go_on();
         }
@@ -431,6 +434,19 @@ impl Advance for Contact {
         true
     }
 
+    fn throw(&mut self, index: usize, ball: &Ball) -> bool {
+        let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
+        self.wake_by_hand(at);
+        let body = &mut self.bodies[at];
+        // What held it holds it no longer.
+        body.velocity = ball.velocity - 0.5 * self.setting.kick;
+        body.free = body.velocity;
+        if let Some((_, velocity)) = self.before.get_mut(at) {
+            *velocity = ball.velocity;
+        }
+        true
+    }
+
     fn parts(&self, world: &World) -> Vec<Part> {
         let mut parts = Part::of_motion(world);
         if self.pairs || self.shown.is_some() {
@@ -440,5 +456,9 @@ impl Advance for Contact {
             parts.push(Part::Impulse);
         }
         parts
+    }
+
+    fn boxed(&self) -> Box<dyn Advance> {
+        Box::new(self.clone())
     }
 }

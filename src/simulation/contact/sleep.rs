@@ -102,6 +102,19 @@ impl Contact {
         self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.weight == 0.0);
     }
 
+    /// Wakes a ball that is moved from outside.
+    pub(super) fn wake_by_hand(&mut self, at: usize) {
+        self.all_asleep = false;
+        let Self { setting, bodies, rests, near, .. } = self;
+        if let Some(near) = near
+            && rests[at].asleep
+        {
+            near.link_pairs(bodies.len());
+            let given = near.all().given(at, rests[at].weight);
+            wake(at, &given, setting.kick, bodies, rests, &mut near.all());
+        }
+    }
+
     /// Counts bodies that overlap others deeply as not held.
     fn find_deep(&mut self) {
         let Self { bodies, near: Some(near), held, .. } = self else { return };

@@ -2,16 +2,20 @@
 
 use pool::Pool;
 
-/// Threads; none but the caller's own where one is enough, or where carom is built without `parallel`.
+/// Threads; none but the caller's own until they are started, where one is enough, or where carom is built without
+/// `parallel`.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Team {
+    started: bool,
     pool: Option<Pool>,
 }
 
 impl Team {
-    /// A team of so many threads. Where the system gives none, the caller's own does all the work.
-    pub(super) fn new(threads: u32) -> Self {
-        Self { pool: if threads > 1 { Pool::new(threads as usize) } else { None } }
+    /// Starts so many threads, once. Where the system gives none, the caller's own does all the work.
+    pub(super) fn start(&mut self, threads: u32) {
+        if !std::mem::replace(&mut self.started, true) && threads > 1 {
+            self.pool = Pool::new(threads as usize);
+        }
     }
 
     /// Runs `work` where [`each`](Self::each) finds the threads at once.

@@ -40,7 +40,7 @@ pub(super) enum Dawn {
 }
 
 /// Events in their order in time.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Calendar {
     /// The length of the year, s.
     span: f64,

@@ -58,7 +58,7 @@ impl Level {
 }
 
 /// Balls in cells. The outermost cells reach to infinity, so that every position has one.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Cells {
     levels: Vec<Level>,
     /// Of the finest cells, px.

@@ -237,7 +237,7 @@ impl First {
 }
 
 /// A few slots.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 struct Few {
     slots: [usize; 16],
     count: usize,

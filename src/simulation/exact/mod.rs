@@ -35,7 +35,7 @@ use flights::{Flight, Marks, Matter, Target};
 ///
 /// Balls stand here in an order of their own, in which neighbours in space are neighbours in memory: a *slot* is a
 /// ball's place in it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Exact {
     gravity: DVec2,
     /// The acceleration of a ball by the axes on which it rests (see [`Marks::rests`]).
@@ -467,5 +467,9 @@ impl Advance for Exact {
             parts.push(Part::Impulse);
         }
         parts
+    }
+
+    fn boxed(&self) -> Box<dyn Advance> {
+        Box::new(self.clone())
     }
 }

@@ -86,7 +86,7 @@ struct Base {
     least: f64,
     /// The largest sum of the balls' momenta that was seen, each counted apart from its direction.
     moving: f64,
-    /// The deepest overlap at first, as a fraction of the smaller radius.
+    /// The deepest overlap at first, and with `exact` since, as a fraction of the smaller radius.
     overlap: f64,
     fixed: bool,
     /// Whether balls can always get out of each other's way.
@@ -147,7 +147,11 @@ impl Ledger {
             let energy = self.check_energy(simulation)?;
             self.check_momentum(simulation)?;
             self.before.energy = energy;
-            let any = simulation.solver == Solver::Contact && self.is_beyond_contact(simulation);
+            let any = match simulation.solver {
+                Solver::Canvas => false,
+                Solver::Exact => self.parts_overlaps(simulation),
+                Solver::Contact => self.is_beyond_contact(simulation),
+            };
             self.base.least = if any { energy } else { self.base.least.min(energy) };
             self.base.scale = self.base.scale.max(scale(&simulation.world, &simulation.balls));
         }
@@ -182,7 +186,11 @@ impl Ledger {
             Some((ball, found)) if found > allowed => {
                 Err(Violation { law: Law::Overlap, ball: Some(ball), found, allowed })
             }
-            _ => Ok(()),
+            deepest => {
+                // What has parted stays apart.
+                self.base.overlap = deepest.map_or(0.0, |(_, found)| found);
+                Ok(())
+            }
         }
     }
 
@@ -195,6 +203,7 @@ impl Ledger {
         let allowed = rounding
             + match (simulation.solver, world.gravity) {
                 (Solver::Canvas, None) => self.before.energy,
+                (Solver::Exact, _) if self.parts_overlaps(simulation) => f64::INFINITY,
                 (Solver::Canvas, Some(gravity)) => self.before.energy + self.lifted(gravity, simulation.time),
                 (Solver::Exact | Solver::Contact, None) => base.least,
                 (Solver::Exact, Some(_)) => {
@@ -217,10 +226,14 @@ impl Ledger {
         Ok(energy)
     }
 
+    /// Whether balls overlap, which `exact` parts with energy from nowhere.
+    fn parts_overlaps(&self, simulation: &Simulation) -> bool {
+        self.base.overlap > TOUCH && simulation.world.pairs == Some(Pairs::Impulse)
+    }
+
     /// Whether `contact` under gravity promises nothing of the energy.
     fn is_beyond_contact(&self, simulation: &Simulation) -> bool {
-        let overlapped = self.base.overlap > TOUCH && simulation.world.pairs == Some(Pairs::Impulse);
-        overlapped || self.any_fast(simulation)
+        self.parts_overlaps(simulation) || self.any_fast(simulation)
     }
 
     /// Whether a ball moves farther than its radius in a substep of `contact`, or did a frame ago.
@@ -467,6 +480,10 @@ mod tests {
 
         fn parts(&self, _: &World) -> Vec<Part> {
             Vec::new()
+        }
+
+        fn boxed(&self) -> Box<dyn Advance> {
+            Box::new(Self(self.0))
         }
     }
 
