@@ -14,9 +14,13 @@ mod painter;
 mod palette;
 mod shapes;
 mod spans;
+#[cfg(feature = "window")]
+pub(crate) mod strokes;
 mod target;
 #[cfg(feature = "window")]
 pub(crate) mod text;
+#[cfg(feature = "window")]
+pub(crate) mod trails;
 
 use glam::DVec2;
 use thiserror::Error;
