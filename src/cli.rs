@@ -19,6 +19,7 @@ Examples:
   carom run gravity --seconds 5 --gif gravity.gif
   carom run elastic --seconds 60 --fps 240 --summary -
   carom run gravity --deltas frames.txt --trace states.csv --every 10
+  carom run gravity --commands carom-gravity-1.replay --trace states.csv
   carom run walls --size 800x600 --seconds 0 --image first.png";
 
 #[cfg(feature = "report")]
@@ -102,6 +103,12 @@ pub struct WindowArgs {
     /// Time scale: 0.5 is half speed
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = scale, allow_negative_numbers = true)]
     pub scale: f64,
+    /// Load the scene file again whenever it is saved
+    #[arg(long)]
+    pub watch: bool,
+    /// Neither hint nor messages over the picture
+    #[arg(long)]
+    pub quiet: bool,
     /// Present frames at once instead of with the screen's refresh
     #[arg(long)]
     pub no_vsync: bool,
@@ -131,6 +138,9 @@ pub struct RunArgs {
     /// Take the frames' deltas from a file: seconds, one a line
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seconds", "fps"])]
     pub deltas: Option<PathBuf>,
+    /// Do again what was done in a window, frame by frame: a replay that it saved with Ctrl+Shift+S
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["seconds", "fps", "deltas", "solver", "balls", "seed", "size", "check"])]
+    pub commands: Option<PathBuf>,
     /// Write every ball's state after each frame as CSV
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,

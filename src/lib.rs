@@ -73,6 +73,6 @@ pub mod window;
 
 pub use glam::DVec2;
 pub use scene::{Scene, SceneError};
-pub use session::{Command, Session};
+pub use session::{Change, Command, Session};
 pub use simulation::limits::OutOfRange;
 pub use simulation::{Ball, BuildError, Pairs, Part, Simulation, Solver, Tally, World};

@@ -7,10 +7,11 @@ mod signals;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use carom::headless::{self, Frames, Run, RunError};
+use carom::headless::{self, Course, Frames, Run, RunError};
 use carom::paint::AnimationError;
 #[cfg(feature = "report")]
 use carom::report::{self, ReportError};
+use carom::session::Replay;
 #[cfg(feature = "window")]
 use carom::window::WindowError;
 use carom::{Scene, SceneError};
@@ -75,6 +76,7 @@ impl Failure {
             | Self::Run(
                 RunError::Scene(_)
                 | RunError::Frames(_)
+                | RunError::Replay(_)
                 | RunError::SameOutput { .. }
                 | RunError::Picture(_)
                 | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
@@ -119,6 +121,8 @@ fn open_window(args: &WindowArgs) -> Result<(), Failure> {
         paused: args.paused,
         time_scale: args.scale,
         vsync: !args.no_vsync,
+        watch: args.watch,
+        quiet: args.quiet,
         timings: args.timings,
         seed: args.start.seed,
     };
@@ -133,13 +137,15 @@ fn open_window(args: &WindowArgs) -> Result<(), Failure> {
 
 fn run(args: RunArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &args.start)?;
-    let frames = match &args.deltas {
-        Some(path) => Frames::read(path),
-        None => Frames::even(args.seconds, args.fps),
+    let course = match (&args.commands, &args.deltas) {
+        (Some(path), _) => Course::Replay(Replay::read(path, &scene).map_err(RunError::from)?.into()),
+        (None, Some(path)) => Course::Frames(scene.into(), Frames::read(path).map_err(RunError::from)?),
+        (None, None) => {
+            Course::Frames(scene.into(), Frames::even(args.seconds, args.fps).map_err(RunError::from)?)
+        }
     };
     headless::run(&Run {
-        scene,
-        frames: frames.map_err(RunError::from)?,
+        course,
         trace: args.trace,
         every: args.every,
         image: args.image,

@@ -6,8 +6,9 @@ use thiserror::Error;
 
 use super::Run;
 use super::output::{Output, OutputError};
+use crate::scene;
 use crate::simulation::ledger::{Ledger, Violation};
-use crate::simulation::{Ball, Pairs, Simulation};
+use crate::simulation::{Ball, Simulation};
 
 /// A frame that broke a law.
 #[derive(Debug, Error)]
@@ -45,7 +46,7 @@ impl Check {
     pub(super) fn new(run: &Run, simulation: &Simulation) -> Self {
         let ledger = Ledger::new(simulation);
         // What falls in cuts frames into several advances.
-        Self { ledger: if run.scene.rain().is_some() { ledger.without_flights() } else { ledger } }
+        Self { ledger: if run.course.scene().rain().is_some() { ledger.without_flights() } else { ledger } }
     }
 
     /// Holds the frame of this number, from 1, that `delta` seconds led to against the laws.
@@ -57,14 +58,14 @@ impl Check {
         simulation: &Simulation,
     ) -> Result<(), Box<Broken>> {
         self.ledger.check(simulation).map_err(|violation| {
-            let path = PathBuf::from(format!("{}-frame-{}.toml", run.scene.name(), frame - 1));
+            let path = PathBuf::from(format!("{}-frame-{}.toml", run.course.scene().name(), frame - 1));
             let text = format!(
                 "# `carom run {} --check` broke the law of {} in frame {frame}: {violation}.\n\
                  # This is the frame before, at {:?} s. The frame that follows:\n\
                  # echo {delta:?} | carom run {} --check --deltas /dev/stdin\n\
                  # What a solver remembers beside the balls (who rests, who sleeps) is not in it: where that frame\n\
                  # keeps the laws, the first command breaks them still.\n\n{}",
-                run.scene.argument(),
+                run.course.scene().argument(),
                 violation.law.name(),
                 self.ledger.time_before(),
                 path.display(),
@@ -78,36 +79,9 @@ impl Check {
 
 /// The world and the solver of `simulation`, with `balls`, as a scene file.
 fn scene_file(simulation: &Simulation, balls: &[Ball]) -> String {
-    // Debug's numbers always have a point or an exponent, as TOML wants them, and read back to the same bits.
-    let world = simulation.world();
-    let mut text = format!(
-        "solver = \"{}\"\nsize = [{:?}, {:?}]\n",
-        simulation.solver(),
-        world.size().x,
-        world.size().y
-    );
-    if let Some(gravity) = world.gravity() {
-        text += &format!("gravity = [{:?}, {:?}]\n", gravity.x, gravity.y);
-    }
-    if let Some(restitution) = world.walls() {
-        text += &format!("\n[walls]\nrestitution = {restitution:?}\n");
-    }
-    match world.pairs() {
-        None => {}
-        Some(Pairs::Detect) => text += "\n[pairs]\nresponse = \"detect\"\n",
-        Some(Pairs::Impulse) => text += "\n[pairs]\n",
-    }
-    for ball in balls {
-        let (position, velocity) = (ball.position(), ball.velocity());
-        text += &format!("\n[[ball]]\nposition = [{:?}, {:?}]\n", position.x, position.y);
-        text += &format!("radius = {:?}\nrestitution = {:?}\n", ball.radius(), ball.restitution());
-        text += &if ball.is_fixed() {
-            "fixed = true\n".to_owned()
-        } else {
-            format!("velocity = [{:?}, {:?}]\nmass = {:?}\n", velocity.x, velocity.y, ball.mass())
-        };
-    }
-    text
+    let before = Simulation::new(*simulation.world(), balls.to_vec(), simulation.solver());
+    // The same balls fitted into the same world a frame ago.
+    before.map_or_else(|_| String::new(), |before| scene::write(&before, None, ""))
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! `carom run`: the same simulation without a window.
 
 mod check;
+mod course;
 mod frames;
 mod output;
 mod summary;
@@ -16,6 +17,8 @@ use tiny_skia::Pixmap;
 
 pub use check::Broken;
 use check::Check;
+pub use course::Course;
+use course::Player;
 pub use frames::{Frames, FramesError};
 pub use output::{Output, OutputError};
 pub use summary::Summary;
@@ -23,7 +26,8 @@ use summary::{Watched, energy};
 pub use unfinished::discard_unfinished;
 
 use crate::paint::{self, Animation, AnimationError, Painter, PictureTooLarge};
-use crate::scene::{Scene, SceneError};
+use crate::scene::SceneError;
+use crate::session::ReplayError;
 use crate::simulation::Simulation;
 use crate::simulation::grid::Grid;
 use crate::simulation::invariants::{max_overlap, max_wall_overlap};
@@ -31,10 +35,8 @@ use crate::simulation::invariants::{max_overlap, max_wall_overlap};
 /// What to run and what to write of it.
 #[derive(Debug)]
 pub struct Run {
-    /// The scene to start from.
-    pub scene: Scene,
-    /// The frames to advance by.
-    pub frames: Frames,
+    /// What moves, and by which frames.
+    pub course: Course,
     /// A CSV of every ball's state at each traced frame.
     pub trace: Option<PathBuf>,
     /// Frame 1 and every `every`-th are traced; at least 1.
@@ -60,6 +62,9 @@ pub enum RunError {
     /// The frames are wrong.
     #[error(transparent)]
     Frames(#[from] FramesError),
+    /// The replay cannot be played.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
     /// A delta was refused.
     #[error(transparent)]
     Delta(#[from] crate::OutOfRange),
@@ -121,51 +126,52 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// # Errors
 /// [`RunError`]; outputs that could not be completed are not there then.
 pub fn run(run: &Run) -> Result<Summary, RunError> {
-    let mut rain = run.scene.rain();
-    run_by(run, |simulation, delta| match &mut rain {
-        Some(rain) => rain.advance_while(simulation, delta, || true).map(drop),
-        None => simulation.advance(delta),
-    })
+    // The method itself is too particular about lifetimes.
+    #[expect(clippy::redundant_closure_for_method_calls)]
+    run_by(run, |player, frame| player.advance(frame))
 }
 
-/// Runs a scene whose frames `advance` makes.
+/// Runs a course whose frames `advance` takes.
 fn run_by(
     run: &Run,
-    mut advance: impl FnMut(&mut Simulation, f64) -> Result<(), crate::OutOfRange>,
+    mut advance: impl FnMut(&mut Player<'_>, u64) -> Result<(), crate::OutOfRange>,
 ) -> Result<Summary, RunError> {
-    let mut simulation = run.scene.build()?;
-    let mut check = run.check.then(|| Check::new(run, &simulation));
-    let mut outputs = Outputs::create(run, &simulation)?;
-    let mut grid = Grid::new(simulation.balls(), simulation.world().size());
-    let mut sorted = simulation.balls().len();
-    let mut watched = Watched { energy_start: energy(&simulation), ..Watched::default() };
+    let mut player = Player::new(&run.course)?;
+    let mut check = run.check.then(|| Check::new(run, player.simulation()));
+    let mut outputs = Outputs::create(run, player.simulation())?;
+    let sorted_for = |simulation: &Simulation| (simulation.balls().len(), simulation.world().size());
+    let mut grid = Grid::new(player.simulation().balls(), player.simulation().world().size());
+    let mut sorted = sorted_for(player.simulation());
+    let mut watched = Watched { energy_start: energy(player.simulation()), ..Watched::default() };
     let clock_cost = clock_cost();
-    let mut progress = Progress::new(run.frames.count());
+    let mut progress = Progress::new(player.frames());
 
-    for frame in 0..run.frames.count() {
-        let delta = run.frames.delta(frame);
+    for frame in 0..player.frames() {
         let start = Instant::now();
-        advance(&mut simulation, delta)?;
+        advance(&mut player, frame)?;
         watched.wall_seconds += start.elapsed().saturating_sub(clock_cost).as_secs_f64();
         watched.frames += 1;
+        let simulation = player.simulation();
         if let Some(check) = &mut check {
-            check.hold(run, frame + 1, delta, &simulation)?;
+            check.hold(run, frame + 1, player.delta(frame), simulation)?;
         }
-        if simulation.balls().len() > 2 * sorted {
+        let now = sorted_for(simulation);
+        if now.0 > 2 * sorted.0 || now.1 != sorted.1 {
             // Cells for what has come since.
-            sorted = simulation.balls().len();
+            sorted = now;
             grid = Grid::new(simulation.balls(), simulation.world().size());
         }
         watched.max_overlap = watched.max_overlap.max(max_overlap(&mut grid, simulation.balls()));
         let at_walls = max_wall_overlap(simulation.world(), simulation.balls());
         watched.max_wall_overlap = watched.max_wall_overlap.max(at_walls);
-        outputs.add(run, frame + 1, &simulation)?;
+        outputs.add(run, frame + 1, simulation)?;
         progress.show(frame + 1);
     }
     drop(progress);
 
-    let summary = Summary::new(run.scene.name(), &simulation, &watched);
-    outputs.finish(&simulation, &summary)?;
+    player.finish()?;
+    let summary = Summary::new(run.course.scene().name(), player.simulation(), &watched);
+    outputs.finish(player.simulation(), &summary)?;
     Ok(summary)
 }
 
@@ -253,6 +259,12 @@ impl Outputs {
             Ok(finished.map_err(|source| RunError::of_animation(&path, source))?.finish()?)
         });
         let painted = image.zip(canvas).map_or(Ok(()), |(image, mut canvas)| {
+            if let Ok(blank) = paint::blank(simulation.world().size())
+                && (blank.width(), blank.height()) != (canvas.width(), canvas.height())
+            {
+                // The world has been resized.
+                canvas = blank;
+            }
             painter.repaint(simulation, 1.0, &mut canvas.as_mut());
             let png = canvas.encode_png().map_err(|error| image.error(io::Error::other(error)))?;
             image.complete(&png)
@@ -323,12 +335,15 @@ impl Drop for Progress {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Scene;
     use crate::simulation::ledger::Law;
 
     fn checked(scene: &str) -> Run {
         Run {
-            scene: Scene::parse("doctored.toml", scene).unwrap(),
-            frames: Frames::even(1.0, 60.0).unwrap(),
+            course: Course::Frames(
+                Scene::parse("doctored.toml", scene).unwrap().into(),
+                Frames::even(1.0, 60.0).unwrap(),
+            ),
             trace: None,
             every: 1,
             image: None,
@@ -346,15 +361,14 @@ mod tests {
         assert!(run(&checked(scene)).is_ok());
         // From frame 10 on, the frames of a ball that flies faster.
         let mut other = Scene::parse("faster.toml", &faster).unwrap().build().unwrap();
-        let mut frame = 0;
-        let result = run_by(&checked(scene), |simulation, delta| {
-            frame += 1;
-            other.advance(delta)?;
-            if frame == 10 {
-                std::mem::swap(simulation, &mut other);
+        let result = run_by(&checked(scene), |player, frame| {
+            other.advance(player.delta(frame))?;
+            let Player::Frames { simulation, .. } = player else { panic!("no replay") };
+            if frame == 9 {
+                std::mem::swap(&mut **simulation, &mut other);
                 return Ok(());
             }
-            simulation.advance(delta)
+            player.advance(frame)
         });
         let Err(RunError::Broken(broken)) = result else { panic!("{result:?}") };
         assert_eq!((broken.frame, broken.violation.law), (10, Law::Energy));

@@ -61,6 +61,13 @@ impl NewFile {
     }
 }
 
+/// Saves `bytes` in the current folder, and tells the path.
+pub(super) fn save(scene: &str, ending: &'static str, bytes: &[u8]) -> Result<PathBuf, SaveError> {
+    let mut file = NewFile::create(Path::new(""), scene, ending)?;
+    file.write_all(bytes).map_err(|error| file.error(error))?;
+    file.finish()
+}
+
 fn numbered(folder: &Path, stem: &str, number: u64, ending: &str) -> PathBuf {
     folder.join(format!("{stem}-{number}.{ending}"))
 }

@@ -4,7 +4,7 @@ use glam::DVec2;
 use winit::keyboard::{Key, ModifiersState, NamedKey};
 
 use crate::scene::STAGES;
-use crate::session::Command;
+use crate::session::{Change, Command};
 use crate::simulation::Solver;
 
 /// What a key asks for.
@@ -12,10 +12,19 @@ use crate::simulation::Solver;
 pub(super) enum Action {
     /// Something for the simulation.
     Do(Command),
+    /// Go back in time for as long as the key is held; a frame at a time while paused.
+    Rewind,
+    ToggleFigures,
+    ToggleTrails,
     ToggleHelp,
+    ToggleBrowser,
+    ToggleRecording,
     ToggleFullscreen,
     SavePicture,
-    Quit,
+    SaveScene,
+    SaveReplay,
+    /// Leave what lies over the picture, or else the program.
+    Leave,
 }
 
 /// What an arrow key with control adds to gravity, px/s²: a tenth of the Earth's, at 100 px a metre.
@@ -26,8 +35,15 @@ const TILT: f64 = 98.0;
 pub(super) fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Option<Action> {
     let shift = modifiers.shift_key();
     let action = match key {
-        // The arrows are the only keys that are ours with control, and with it alone.
+        // Few keys are ours with control, and those with nothing else.
         Key::Named(named) if modifiers == ModifiersState::CONTROL => tilt(*named)?,
+        Key::Character(text) if modifiers.difference(ModifiersState::SHIFT) == ModifiersState::CONTROL => {
+            match text.as_str() {
+                "s" | "S" if shift => Action::SaveReplay,
+                "s" | "S" => Action::SaveScene,
+                _ => return None,
+            }
+        }
         _ if modifiers.control_key() || modifiers.alt_key() || modifiers.super_key() => return None,
         Key::Named(named) => named_key(*named, shift)?,
         Key::Character(text) => character(text, shift)?,
@@ -35,14 +51,14 @@ pub(super) fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Opti
     };
     let repeats = matches!(
         action,
-        Action::Do(
-            Command::Step
-                | Command::AddRandom(1)
-                | Command::RemoveLast
-                | Command::TiltGravity(_)
-                | Command::Slower
-                | Command::Faster
-        )
+        Action::Rewind
+            | Action::Do(
+                Command::Step
+                    | Command::StepToImpact
+                    | Command::Change(Change::AddRandom(1) | Change::RemoveLast | Change::TiltGravity(_))
+                    | Command::Slower
+                    | Command::Faster
+            )
     );
     (repeats || !repeat).then_some(action)
 }
@@ -55,20 +71,22 @@ fn tilt(key: NamedKey) -> Option<Action> {
         NamedKey::ArrowDown => DVec2::Y,
         _ => return None,
     };
-    Some(Action::Do(Command::TiltGravity(TILT * direction)))
+    Some(Action::Do(Change::TiltGravity(TILT * direction).into()))
 }
 
 fn named_key(key: NamedKey, shift: bool) -> Option<Action> {
     Some(match key {
         NamedKey::Space => Action::Do(Command::TogglePause),
+        NamedKey::ArrowRight if shift => Action::Do(Command::StepToImpact),
         NamedKey::ArrowRight => Action::Do(Command::Step),
-        NamedKey::Backspace => Action::Do(Command::RemoveLast),
+        NamedKey::ArrowLeft => Action::Rewind,
+        NamedKey::Backspace => Action::Do(Change::RemoveLast.into()),
         NamedKey::Tab if shift => Action::Do(Command::PreviousScene),
         NamedKey::Tab => Action::Do(Command::NextScene),
         NamedKey::F1 => Action::ToggleHelp,
         NamedKey::F11 => Action::ToggleFullscreen,
         NamedKey::F12 => Action::SavePicture,
-        NamedKey::Escape => Action::Quit,
+        NamedKey::Escape => Action::Leave,
         _ => return None,
     })
 }
@@ -76,14 +94,20 @@ fn named_key(key: NamedKey, shift: bool) -> Option<Action> {
 fn character(text: &str, shift: bool) -> Option<Action> {
     Some(match text {
         "." => Action::Do(Command::Step),
-        "r" | "R" => Action::Do(Command::Reset),
+        "r" | "R" if shift => Action::Do(Command::Reseed),
+        "r" | "R" => Action::Do(Change::Reset.into()),
         // Not by the capital: Caps Lock makes one, too.
-        "a" | "A" => Action::Do(Command::AddRandom(if shift { 100 } else { 1 })),
+        "a" | "A" => Action::Do(Change::AddRandom(if shift { 100 } else { 1 }).into()),
         "s" | "S" if Solver::ALL.len() > 1 => Action::Do(Command::NextSolver),
-        "g" | "G" => Action::Do(Command::ToggleGravity),
+        "g" | "G" => Action::Do(Change::ToggleGravity.into()),
         "[" => Action::Do(Command::Slower),
         "]" => Action::Do(Command::Faster),
+        "x" | "X" => Action::Do(Command::ToggleComparison),
+        "d" | "D" => Action::ToggleFigures,
+        "t" | "T" => Action::ToggleTrails,
         "h" | "H" => Action::ToggleHelp,
+        "m" | "M" => Action::ToggleBrowser,
+        "v" | "V" => Action::ToggleRecording,
         _ => {
             let stage = text.parse::<usize>().ok().filter(|stage| (1..=STAGES).contains(stage))?;
             Action::Do(Command::Scene(stage - 1))
@@ -91,33 +115,70 @@ fn character(text: &str, shift: bool) -> Option<Action> {
     })
 }
 
-/// The rows of the help sheet: keys and what they do.
-pub(super) fn help() -> Vec<(&'static str, &'static str)> {
-    let mut rows = vec![
-        ("Space", "pause, go on"),
-        (". or →", "one step while paused"),
-        ("R", "reset the scene"),
-        ("A", "add a ball"),
-        ("Shift+A", "add a hundred"),
-        ("Backspace", "remove the last ball"),
-        ("Click", "add a ball there"),
-        ("Drag", "throw a ball"),
-        ("1 – 8", "the demo's stages"),
-        ("Tab", "next scene"),
-        ("Shift+Tab", "previous scene"),
-        ("G", "gravity on, off"),
-        ("Ctrl+arrow", "tilt gravity"),
-        ("[ ]", "slower, faster"),
-        ("H or F1", "this help"),
-        ("F11", "full screen"),
-        ("F12", "save a picture"),
-        ("Esc", "quit"),
-    ];
-    if Solver::ALL.len() > 1 {
-        rows.insert(11, ("S", "next solver"));
-    }
-    rows
+/// Keys that belong together, under a name: each key, and what it does.
+pub(super) struct Group {
+    pub(super) name: &'static str,
+    pub(super) keys: &'static [(&'static str, &'static str)],
 }
+
+/// The two columns of the help sheet.
+pub(super) const HELP: [&[Group]; 2] = [
+    &[
+        Group {
+            name: "Time",
+            keys: &[
+                ("Space", "pause, go on"),
+                (". or →", "one step while paused"),
+                ("Shift+→", "to the next impact"),
+                ("←", "a step back; held: rewind"),
+                ("[ ]", "slower, faster"),
+                ("R", "reset the scene"),
+                ("Shift+R", "with other random balls"),
+            ],
+        },
+        Group {
+            name: "Balls",
+            keys: &[
+                ("A", "add a random ball"),
+                ("Shift+A", "add a hundred"),
+                ("Backspace", "remove the last"),
+                ("Click", "add a ball there"),
+                ("Drag", "throw one; carry another"),
+                ("Right click", "remove a ball"),
+                ("Wheel", "size of the next ball"),
+                ("G", "gravity on, off"),
+                ("Ctrl+arrow", "tilt gravity"),
+            ],
+        },
+    ],
+    &[
+        Group {
+            name: "View",
+            keys: &[
+                ("D", "figures"),
+                ("X", "compare with exact"),
+                ("T", "trails"),
+                ("H or F1", "this help"),
+                ("F11", "full screen"),
+                ("F12", "save a picture"),
+                ("V", "record a GIF, end it"),
+            ],
+        },
+        Group {
+            name: "Scenes",
+            keys: &[
+                ("M", "all scenes"),
+                ("1 – 8", "the demo's stages"),
+                ("Tab", "next; with Shift: previous"),
+                ("S", "next solver"),
+                ("Drop a file", "open a scene"),
+                ("Ctrl+S", "save as a scene"),
+                ("Ctrl+Shift+S", "save as a replay"),
+                ("Esc", "back, quit"),
+            ],
+        },
+    ],
+];
 
 #[cfg(test)]
 mod tests {
@@ -152,7 +213,7 @@ mod tests {
             (NamedKey::ArrowUp, 0.0, -98.0),
             (NamedKey::ArrowDown, 0.0, 98.0),
         ] {
-            let tilt = Some(Action::Do(Command::TiltGravity(DVec2::new(x, y))));
+            let tilt = Some(Action::Do(Change::TiltGravity(DVec2::new(x, y)).into()));
             assert_eq!(action(&Key::Named(key), ModifiersState::CONTROL, true), tilt);
             assert_eq!(pressed(&Key::Named(key), ModifiersState::CONTROL), tilt);
         }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use pixels::wgpu::{BlendState, SurfaceError};
 use pixels::{Pixels, PixelsBuilder, SurfaceTexture};
-use tiny_skia::{PixmapMut, PixmapRef};
+use tiny_skia::PixmapMut;
 use winit::dpi::PhysicalSize;
 use winit::window::Window;
 
@@ -100,12 +100,6 @@ impl Screen {
         let PhysicalSize { width, height } = self.size;
         let pixmap = PixmapMut::from_bytes(self.pixels.as_mut()?.frame_mut(), width, height)?;
         Some((pixmap, std::mem::replace(&mut self.kept, true)))
-    }
-
-    /// What was painted last.
-    pub(super) fn painted(&self) -> Option<PixmapRef<'_>> {
-        let PhysicalSize { width, height } = self.size;
-        PixmapRef::from_bytes(self.pixels.as_ref()?.frame(), width, height)
     }
 
     /// Shows what was painted. A surface that is outdated or lost costs this frame, and a failed device a few; both are

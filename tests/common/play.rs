@@ -4,7 +4,7 @@
 //! that whatever shortens the bytes finds a simpler game.
 
 use carom::simulation::ledger::Ledger;
-use carom::{Command, DVec2, Scene, Session, Simulation, Solver};
+use carom::{Change, Command, DVec2, Scene, Session, Simulation, Solver};
 
 /// How often, in one game, a solver may ask whether to go on: what bounds the work.
 const LOOKS: u32 = 400;
@@ -208,7 +208,13 @@ fn play_session(
         if !choices.one_in(3) {
             let measured = choices.delta();
             told.push_str(&format!("# frame {measured:?}\n"));
+            let in_the_past = session.is_in_the_past();
             session.advance_while(measured, watch(looks)).expect("a time in range");
+            if in_the_past {
+                // What was done after that is done again with the frames.
+                ledger = open(&session);
+                continue;
+            }
             hold(&mut ledger, session.simulation(), told);
             continue;
         }
@@ -221,28 +227,40 @@ fn play_session(
 }
 
 fn command(choices: &mut Choices<'_>, size: DVec2) -> Command {
-    match choices.byte() % 16 {
-        0 => Command::TogglePause,
-        1 => Command::Step,
-        2 => Command::Reset,
-        3 => Command::AddRandom(usize::from(choices.byte() % 32)),
-        4 => Command::AddRandom(choices.one_of(&[0, 1, 100, usize::MAX])),
+    let place = |choices: &mut Choices<'_>| size * DVec2::new(choices.share(), choices.share());
+    let change = match choices.byte() % 24 {
+        0 => return Command::TogglePause,
+        1 => return Command::Step,
+        2 => Change::Reset,
+        3 => Change::AddRandom(usize::from(choices.byte() % 32)),
+        4 => Change::AddRandom(choices.one_of(&[0, 1, 100, usize::MAX])),
         5 | 6 => {
-            let position = size * DVec2::new(choices.share(), choices.share());
+            let position = place(choices);
             let speed = choices.decades(0.0, 10.0);
             let velocity = speed * DVec2::new(choices.signed(), choices.signed());
-            Command::AddBall { position, velocity }
+            let radius = choices.one_of(&[20.0, 3.0, 200.0, -1.0, f64::NAN]);
+            Change::AddBall { position, velocity, radius }
         }
-        7 => Command::RemoveLast,
+        7 => Change::RemoveLast,
         // The demo's stages: thousands of balls that are squeezed into a small world take long.
-        8..=10 => Command::Scene(usize::from(choices.byte() % 8)),
-        11 => Command::NextSolver,
-        12 => Command::ToggleGravity,
+        8..=10 => return Command::Scene(usize::from(choices.byte() % 8)),
+        11 => return Command::NextSolver,
+        12 => Change::ToggleGravity,
         13 => {
             let by = choices.one_of(&[10.0, 1e3, 1e9, 2e9, f64::NAN]);
-            Command::TiltGravity(by * DVec2::new(choices.signed(), choices.signed()))
+            Change::TiltGravity(by * DVec2::new(choices.signed(), choices.signed()))
         }
-        14 => Command::Slower,
-        _ => Command::Faster,
-    }
+        14 => return Command::Slower,
+        15 => return Command::Faster,
+        16 | 17 => {
+            Change::Carry { ball: usize::from(choices.byte() % 20), to: 2.0 * place(choices) - size / 2.0 }
+        }
+        18 => Change::Place { ball: usize::from(choices.byte() % 20), at: 2.0 * place(choices) - size / 2.0 },
+        19 => Change::Remove(usize::from(choices.byte() % 20)),
+        20 => return Command::Back,
+        21 => return Command::ToggleComparison,
+        22 => return Command::Reseed,
+        _ => return Command::StepToImpact,
+    };
+    change.into()
 }

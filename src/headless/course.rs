@@ -1,0 +1,85 @@
+//! What a run plays: a scene by frames that are given, or what was done in a window, again.
+
+use super::frames::Frames;
+use crate::scene::{Rain, Scene, SceneError};
+use crate::session::Replay;
+use crate::simulation::Simulation;
+
+/// What moves in a run, and by which frames.
+#[derive(Debug, Clone)]
+pub enum Course {
+    /// A scene, by these frames.
+    Frames(Box<Scene>, Frames),
+    /// The frames and changes of a session.
+    Replay(Box<Replay>),
+}
+
+impl Course {
+    /// The scene that is played.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        match self {
+            Self::Frames(scene, _) => scene,
+            Self::Replay(replay) => replay.scene(),
+        }
+    }
+}
+
+/// A course under way.
+pub(super) enum Player<'a> {
+    Frames { simulation: Box<Simulation>, rain: Option<Rain>, frames: &'a Frames },
+    Replay(Box<Replay>),
+}
+
+impl<'a> Player<'a> {
+    pub(super) fn new(course: &'a Course) -> Result<Self, SceneError> {
+        Ok(match course {
+            Course::Frames(scene, frames) => {
+                Self::Frames { simulation: Box::new(scene.build()?), rain: scene.rain(), frames }
+            }
+            Course::Replay(replay) => Self::Replay(replay.clone()),
+        })
+    }
+
+    pub(super) fn simulation(&self) -> &Simulation {
+        match self {
+            Self::Frames { simulation, .. } => simulation,
+            Self::Replay(replay) => replay.simulation(),
+        }
+    }
+
+    /// The number of frames.
+    pub(super) fn frames(&self) -> u64 {
+        match self {
+            Self::Frames { frames, .. } => frames.count(),
+            Self::Replay(replay) => replay.frames(),
+        }
+    }
+
+    /// The seconds that the frame of this number, from 0, is to move on by; of a replay, only its file knows.
+    pub(super) fn delta(&self, frame: u64) -> f64 {
+        match self {
+            Self::Frames { frames, .. } => frames.delta(frame),
+            Self::Replay(_) => 0.0,
+        }
+    }
+
+    /// Takes the frame of this number, from 0; they must be taken in their order.
+    pub(super) fn advance(&mut self, frame: u64) -> Result<(), crate::OutOfRange> {
+        match self {
+            Self::Frames { simulation, rain: Some(rain), frames } => {
+                rain.advance_while(simulation, frames.delta(frame), || true).map(drop)
+            }
+            Self::Frames { simulation, rain: None, frames } => simulation.advance(frames.delta(frame)),
+            Self::Replay(replay) => replay.advance().map(drop),
+        }
+    }
+
+    /// What comes behind the last frame.
+    pub(super) fn finish(&mut self) -> Result<(), crate::OutOfRange> {
+        if let Self::Replay(replay) = self {
+            while replay.advance()? {}
+        }
+        Ok(())
+    }
+}

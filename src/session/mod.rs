@@ -1,0 +1,431 @@
+//! A scene being played: what people do to a simulation, as commands.
+//!
+//! Keys, mouse, and whatever else acts on a simulation says it as a [`Command`], so that all share one path. A session
+//! knows nothing of windows; it stands between the scenes and those who show them. It remembers what was done, so that
+//! time can run back, and the whole can be written down and played again, to the bit.
+//!
+//! - `command`: what there is to do;
+//! - `state`: what changes and frames move;
+//! - `tape`: what happened, and the way back;
+//! - `truth`: the same balls, moved by the exact solver;
+//! - `foresight`: when balls next meet, and where a throw will go;
+//! - `replay`: a tape as a file.
+
+mod command;
+mod foresight;
+mod pace;
+mod replay;
+mod state;
+mod tape;
+#[cfg(test)]
+mod tests;
+mod truth;
+
+use std::collections::VecDeque;
+
+use glam::DVec2;
+
+pub use command::{Change, Command, CommandError};
+use pace::Pace;
+pub use replay::{Replay, ReplayError};
+use state::State;
+use tape::{Entry, Frame, Tape};
+
+use crate::scene::{self, Scene, SceneError};
+use crate::simulation::{Ball, Simulation, Solver};
+
+/// The slowest and the fastest time scale.
+pub const TIME_SCALES: (f64, f64) = (1.0 / 64.0, 16.0);
+/// The longest delta that a frame may measure, s. A frame that took longer (a hitch, a suspended machine, a window that
+/// was hidden) advances by this much times the time scale, so that the simulation pauses rather than leaps: `canvas`
+/// would carry balls through each other.
+pub const LONGEST_FRAME: f64 = 0.1;
+/// The delta of a single step while paused, s.
+pub const STEP: f64 = 1.0 / 60.0;
+/// The radius of a ball that a click adds where there is room and nothing else is said, px.
+pub const CLICK_RADIUS: f64 = 20.0;
+/// How far a step to the next impact looks ahead, s.
+const LOOK_AHEAD: f64 = 10.0;
+/// Frames of a tape that are due but for this, s, are due.
+const ROUNDING: f64 = 1e-9;
+/// Balls smaller than this, px, are as easy to point at as if they were as large.
+const EASY: f64 = 6.0;
+
+/// A scene, the simulation that came of it, and how its time runs.
+#[derive(Debug)]
+pub struct Session {
+    /// The scene as it was opened: random balls may have been drawn anew since.
+    opened: Scene,
+    state: State,
+    tape: Tape,
+    seed: u64,
+    /// How often random balls were drawn anew.
+    reseeded: u64,
+    paused: bool,
+    /// What is left of each single step that was asked for while paused, s.
+    steps: VecDeque<f64>,
+    time_scale: f64,
+    pace: Pace,
+    /// Simulated seconds of the tape that are due, where it is played again; negative where it is ahead, s.
+    due: f64,
+}
+
+impl Session {
+    /// Begins to play a scene. `seed` is for the random balls that commands add.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the scene's balls do not fit.
+    pub fn new(scene: &Scene, seed: u64) -> Result<Self, SceneError> {
+        let state = State::new(scene, seed)?;
+        Ok(Self {
+            opened: scene.clone(),
+            tape: Tape::new(&state),
+            state,
+            seed,
+            reseeded: 0,
+            paused: false,
+            steps: VecDeque::new(),
+            time_scale: 1.0,
+            pace: Pace::default(),
+            due: 0.0,
+        })
+    }
+
+    /// The scene's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.state.scene().name()
+    }
+
+    /// The scene that is played.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        self.state.scene()
+    }
+
+    /// The simulation as it is now.
+    #[must_use]
+    pub fn simulation(&self) -> &Simulation {
+        &self.state.simulation
+    }
+
+    /// Where the exact solver has the same balls, where the two are compared.
+    #[must_use]
+    pub fn truth(&self) -> Option<&Simulation> {
+        self.state.truth.as_ref().map(|truth| &truth.simulation)
+    }
+
+    /// How far the balls were from there: simulated seconds since the comparison began, and the largest distance, px.
+    #[must_use]
+    pub fn errors(&self) -> &[(f64, f64)] {
+        self.state.truth.as_ref().map_or(&[], |truth| &truth.errors)
+    }
+
+    /// The energy that the balls would have if nothing but commands had changed it since the scene began.
+    #[must_use]
+    pub fn given_energy(&self) -> f64 {
+        self.state.given()
+    }
+
+    /// Whether time stands still.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        self.paused
+    }
+
+    /// Whether a frame now would move anything: time runs, or single steps are still to be taken.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        !self.paused || !self.steps.is_empty()
+    }
+
+    /// Whether frames were cut short, so that time runs slower than it should. Stays so until a second of frames has
+    /// gone through whole, or until something else is played: another scene, another solver, the scene from its start.
+    #[must_use]
+    pub fn is_behind(&self) -> bool {
+        self.pace.behind
+    }
+
+    /// Simulated seconds per measured second, where the session is not behind.
+    #[must_use]
+    pub fn time_scale(&self) -> f64 {
+        self.time_scale
+    }
+
+    /// Sets the time scale, kept within [`TIME_SCALES`].
+    pub fn set_time_scale(&mut self, scale: f64) {
+        self.time_scale = scale.max(TIME_SCALES.0).min(TIME_SCALES.1);
+    }
+
+    /// Whether one has gone back in time. What was played since is played again, until a change puts something else in its
+    /// place.
+    #[must_use]
+    pub fn is_in_the_past(&self) -> bool {
+        self.tape.next().is_some()
+    }
+
+    /// How long ago what is shown was, s.
+    #[must_use]
+    pub fn seconds_ago(&self) -> f64 {
+        self.tape.left()
+    }
+
+    /// A frame after `measured` seconds, scaled by the time scale; at most [`LONGEST_FRAME`] of them count. Nothing
+    /// moves while paused but single steps, and a scene's first frame, which has a delta of 0, always takes place.
+    ///
+    /// # Errors
+    /// [`OutOfRange`](crate::OutOfRange) where `measured` is negative or not a number.
+    pub fn advance(&mut self, measured: f64) -> Result<(), crate::OutOfRange> {
+        self.advance_while(measured, || true)
+    }
+
+    /// A frame as [`advance`](Self::advance) takes it, which is cut short where `go_on` says no: then the time that is
+    /// left is not simulated, the session [is behind](Self::is_behind), and the next frame goes on from there. What is
+    /// left of a single step is left for the next frame.
+    ///
+    /// # Errors
+    /// [`OutOfRange`](crate::OutOfRange) where `measured` is negative or not a number.
+    pub fn advance_while(
+        &mut self,
+        measured: f64,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Result<(), crate::OutOfRange> {
+        let measured = crate::simulation::limits::DELTA.check(measured)?.min(LONGEST_FRAME);
+        if self.is_in_the_past() {
+            self.play_again(measured, &mut go_on);
+            Ok(())
+        } else if self.state.fresh {
+            self.frame(0.0, 0.0, &mut go_on).map(drop)
+        } else if self.paused {
+            while let Some(left) = self.steps.front().copied() {
+                let done = self.frame(left, STEP, &mut go_on)?;
+                if done < left {
+                    self.steps[0] -= done;
+                    break;
+                }
+                self.steps.pop_front();
+            }
+            Ok(())
+        } else {
+            let asked = measured * self.time_scale;
+            let done = self.frame(asked, measured, &mut go_on)?;
+            self.pace.note(measured, asked, done);
+            Ok(())
+        }
+    }
+
+    /// A frame of something new, which is `watched` for so many seconds; the seconds that it moved on.
+    fn frame(
+        &mut self,
+        seconds: f64,
+        watched: f64,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<f64, crate::OutOfRange> {
+        let (frame, done) = Frame::take(&mut self.state, seconds, go_on)?;
+        self.tape.add(Entry::Frame(frame), watched, &self.state);
+        Ok(done)
+    }
+
+    /// Plays what was played before: the frames that are due, or that were asked for as single steps.
+    fn play_again(&mut self, measured: f64, go_on: &mut dyn FnMut() -> bool) {
+        self.due = if self.paused { 0.0 } else { self.due + measured * self.time_scale };
+        while let Some(next) = self.tape.next() {
+            // What changed behind a frame waits for the next one.
+            if if self.paused { self.steps.is_empty() } else { self.due < ROUNDING } {
+                break;
+            }
+            if let Entry::Frame(frame) = next {
+                if !self.paused && !go_on() {
+                    self.due = 0.0;
+                    break;
+                }
+                self.due -= frame.seconds;
+                self.steps.pop_front();
+            }
+            self.tape.play(&mut self.state);
+        }
+    }
+
+    /// Goes back through what was seen in the last `measured` seconds, scaled by the time scale; whether there was
+    /// anything. No more than [`LONGEST_FRAME`] count.
+    pub fn rewind(&mut self, measured: f64) -> bool {
+        // What is not a number goes back by nothing.
+        self.due -= measured.clamp(0.0, LONGEST_FRAME).max(0.0) * self.time_scale;
+        while self.due < -ROUNDING {
+            let left = self.tape.left();
+            if !self.back() {
+                self.due = 0.0;
+                return false;
+            }
+            self.due += self.tape.left() - left;
+        }
+        true
+    }
+
+    /// Goes back by a frame, or to before the changes since; whether there was one.
+    fn back(&mut self) -> bool {
+        let Some(state) = self.tape.back() else { return false };
+        self.state = state;
+        self.steps.clear();
+        self.pace = Pace::default();
+        true
+    }
+
+    /// Makes the world `size` px large, as far as its balls allow. Costs nothing where it was asked for before.
+    ///
+    /// # Errors
+    /// [`CommandError`] where no world may have this size.
+    pub fn resize(&mut self, size: DVec2) -> Result<(), CommandError> {
+        if size == self.state.size() { Ok(()) } else { self.change(Change::Resize(size)) }
+    }
+
+    /// The radius of the ball that a click at `position` would add, px: `radius`, or what fits between walls and other
+    /// balls. `None` where not even a small one does.
+    #[must_use]
+    pub fn room_at(&self, position: DVec2, radius: f64) -> Option<f64> {
+        self.state.room_at(position, radius)
+    }
+
+    /// The index of the ball at `position`, px: the one on top.
+    #[must_use]
+    pub fn ball_at(&self, position: DVec2) -> Option<usize> {
+        let reach = |ball: &Ball| ball.radius().max(EASY);
+        let at = |ball: &Ball| ball.position().distance_squared(position) <= reach(ball).powi(2);
+        self.simulation().balls().iter().rposition(at)
+    }
+
+    /// Where a ball would fly for a second, px, if it were added with this command now; with more than 500 balls, as if
+    /// there were only walls and fixed ones.
+    #[must_use]
+    pub fn path(&self, position: DVec2, velocity: DVec2, radius: f64) -> Vec<DVec2> {
+        let ball = Ball::new(position, radius).and_then(|ball| ball.with_velocity(velocity));
+        let ball = ball.and_then(|ball| scene::like_the_last(self.simulation().balls(), ball));
+        ball.map_or_else(|_| Vec::new(), |ball| foresight::path(self.simulation(), ball))
+    }
+
+    /// The balls as they are now, and all around them, as the text of a scene file.
+    #[must_use]
+    pub fn scene_file(&self) -> String {
+        scene::write(self.simulation(), self.state.rain(), self.scene().about())
+    }
+
+    /// What was played since the scene began, as the text of a replay; `None` where that is too long ago to be all
+    /// remembered.
+    #[must_use]
+    pub fn replay(&self) -> Option<String> {
+        Some(replay::write(&self.opened, self.seed, self.tape.whole()?))
+    }
+
+    /// Does what a command says.
+    ///
+    /// # Errors
+    /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
+    pub fn apply(&mut self, command: Command) -> Result<(), CommandError> {
+        match command {
+            Command::TogglePause => {
+                self.paused = !self.paused;
+                self.steps.clear();
+                self.due = 0.0;
+            }
+            Command::Step => self.step(STEP),
+            Command::StepToImpact => self.step_to_impact()?,
+            Command::Back => {
+                self.due = 0.0;
+                if !self.back() {
+                    return Err(CommandError::NoEarlier);
+                }
+            }
+            Command::Slower => self.set_time_scale(self.time_scale / 2.0),
+            Command::Faster => self.set_time_scale(self.time_scale * 2.0),
+            Command::Scene(number) => self.go_to(number)?,
+            Command::NextScene => self.go_by(1)?,
+            Command::PreviousScene => self.go_by(-1)?,
+            Command::NextSolver => self.change(Change::Solver(next_solver(self.state.solver())))?,
+            Command::Reseed => self.reseed()?,
+            Command::ToggleComparison => self.change(Change::Compare(self.state.truth.is_none()))?,
+            Command::Change(change) => self.change(change)?,
+        }
+        Ok(())
+    }
+
+    fn change(&mut self, change: Change) -> Result<(), CommandError> {
+        let done = self.state.apply(change);
+        self.tape.add(Entry::Change(Box::new(change)), 0.0, &self.state);
+        if matches!(change, Change::Reset | Change::Reseed(_) | Change::Solver(_)) {
+            self.pace = Pace::default();
+        }
+        if matches!(change, Change::Reset | Change::Reseed(_)) {
+            self.steps.clear();
+        }
+        done
+    }
+
+    fn step(&mut self, seconds: f64) {
+        if self.paused {
+            self.steps.push_back(seconds);
+        }
+    }
+
+    fn step_to_impact(&mut self) -> Result<(), CommandError> {
+        if !self.paused || self.state.solver() != Solver::Exact || self.is_in_the_past() {
+            self.step(STEP);
+            return Ok(());
+        }
+        // One at a time: where the next step begins is not known before the last has been taken.
+        if self.steps.is_empty() {
+            let seconds = foresight::next_impact(self.simulation(), LOOK_AHEAD);
+            self.step(seconds.ok_or(CommandError::NoImpact(LOOK_AHEAD))?);
+        }
+        Ok(())
+    }
+
+    fn reseed(&mut self) -> Result<(), CommandError> {
+        if !self.scene().has_random_parts() {
+            return Err(CommandError::NothingRandom(self.name().to_owned()));
+        }
+        self.reseeded += 1;
+        self.change(Change::Reseed(self.seed.wrapping_add(self.reseeded)))
+    }
+
+    fn go_by(&mut self, steps: isize) -> Result<(), CommandError> {
+        let names = scene::names();
+        let count = names.len() as isize;
+        let here = names.iter().position(|&name| name == self.name()).map(|index| index as isize);
+        // From a scene of the user's own, forward is to the first and back is to the last.
+        let here = here.unwrap_or(if steps > 0 { -1 } else { 0 });
+        self.go_to((here + steps).rem_euclid(count) as usize)
+    }
+
+    /// Plays another built-in scene.
+    fn go_to(&mut self, number: usize) -> Result<(), CommandError> {
+        let Some(&name) = scene::names().get(number) else { return Ok(()) };
+        Ok(self.open(&Scene::load(name)?)?)
+    }
+
+    /// Plays another scene in a world of the same size, with pause, time scale and comparison as they are. It cannot be
+    /// gone back from there to what was played before.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the scene's balls do not fit; what is played is as before then.
+    pub fn open(&mut self, scene: &Scene) -> Result<(), SceneError> {
+        let size = self.state.size();
+        // Fills want the size at hand; what does not fit it is built as the scene would have it, then brought inside.
+        let resized = scene.clone().with_size(size).ok();
+        let mut session = match resized.and_then(|scene| Self::new(&scene, self.seed).ok()) {
+            Some(session) => session,
+            None => Self::new(scene, self.seed)?,
+        };
+        // No world refuses the size of another, and rain refuses to be compared.
+        let _ = session.resize(size);
+        if self.state.truth.is_some() {
+            let _ = session.change(Change::Compare(true));
+        }
+        *self = Self { paused: self.paused, time_scale: self.time_scale, ..session };
+        Ok(())
+    }
+}
+
+fn next_solver(solver: Solver) -> Solver {
+    let here = Solver::ALL.iter().position(|&other| other == solver).unwrap_or(0);
+    Solver::ALL[(here + 1) % Solver::ALL.len()]
+}

@@ -1,0 +1,314 @@
+//! All that frames and changes move: what going back in time restores.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::command::{Change, CommandError};
+use super::truth::Truth;
+use crate::scene::{self, Rain, Scene, SceneError};
+use crate::simulation::invariants::{kinetic_energy, potential_energy};
+use crate::simulation::limits::{GRAVITY, MAX_BALLS, VELOCITY};
+use crate::simulation::{Ball, BuildError, Simulation, Solver};
+
+/// The smallest radius that a click makes do with, px.
+const CLICK_RADIUS_LEAST: f64 = 2.0;
+/// What G switches on where the scene has no gravity of its own, px/s².
+const EARTH: DVec2 = DVec2::new(0.0, 980.0);
+/// Gravity that was tilted is a multiple of one part in so many of 1 px/s².
+const GRAVITY_DIGITS: f64 = 1e9;
+/// A hand brings a ball to where it wants it in about this time, s: two frames, so that it does not swing.
+const REACH: f64 = 1.0 / 30.0;
+/// Memory that a ball takes in a solver, in bytes, at most about.
+const BYTES_A_BALL: usize = 700;
+
+/// What is played, at a moment. What is done to a clone of it gives the same bits as when it is done to the original.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub(super) simulation: Simulation,
+    /// The same balls moved by the exact solver, where they are compared with that.
+    pub(super) truth: Option<Truth>,
+    /// The balls that fall in, if any do.
+    rain: Option<Rain>,
+    /// What a reset goes back to.
+    start: Arc<Start>,
+    /// The size that the world was last asked to have, px; wide balls may have made it larger.
+    size: DVec2,
+    /// Frame 1 has a delta of 0, whatever the clock says; this is true until it has been.
+    pub(super) fresh: bool,
+    seed: u64,
+    /// How often random balls were added, so that each time others come.
+    additions: u64,
+    /// What G brings back.
+    gravity: DVec2,
+    /// The energy that balls had at the start and that changes have given them since, mass·px²/s².
+    given: f64,
+}
+
+/// A scene at its beginning.
+#[derive(Debug)]
+struct Start {
+    scene: Scene,
+    simulation: Simulation,
+}
+
+impl State {
+    /// A scene at its beginning. `seed` is for the random balls that changes add.
+    pub(super) fn new(scene: &Scene, seed: u64) -> Result<Self, SceneError> {
+        let simulation = scene.build()?;
+        let world = simulation.world();
+        Ok(Self {
+            given: energy(&simulation),
+            truth: None,
+            rain: scene.rain(),
+            size: world.size(),
+            gravity: world.gravity().unwrap_or(EARTH),
+            start: Arc::new(Start { scene: scene.clone(), simulation: simulation.clone() }),
+            simulation,
+            fresh: true,
+            seed,
+            additions: 0,
+        })
+    }
+
+    /// The scene that a reset goes back to.
+    pub(super) fn scene(&self) -> &Scene {
+        &self.start.scene
+    }
+
+    /// The size that the world was last asked to have, px.
+    pub(super) fn size(&self) -> DVec2 {
+        self.size
+    }
+
+    /// The balls that fall in, if any do.
+    pub(super) fn rain(&self) -> Option<&Rain> {
+        self.rain.as_ref()
+    }
+
+    /// The energy that the balls would have if impacts took none.
+    pub(super) fn given(&self) -> f64 {
+        self.given + self.rain.as_ref().map_or(0.0, Rain::energy)
+    }
+
+    /// About how much memory a clone takes, in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let solvers = 1 + usize::from(self.truth.is_some());
+        size_of::<Self>() + solvers * self.simulation.balls().len() * BYTES_A_BALL
+    }
+
+    /// Moves on by up to `seconds` for as long as `go_on` says so, and returns the seconds that it has moved on. A truth
+    /// that cannot follow is given up.
+    pub(super) fn advance(
+        &mut self,
+        seconds: f64,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<f64, crate::OutOfRange> {
+        let Self { simulation, rain, truth, .. } = self;
+        let done = match rain {
+            Some(rain) => rain.advance_while(simulation, seconds, &mut *go_on)?,
+            None => simulation.advance_while(seconds, &mut *go_on)?,
+        };
+        if let Some(compared) = truth
+            && !compared.advance(done, simulation, go_on)?
+        {
+            *truth = None;
+        }
+        self.fresh = false;
+        Ok(done)
+    }
+
+    /// Does what a change says. The same change in the same state does the same, whether it can be done or not.
+    pub(super) fn apply(&mut self, change: Change) -> Result<(), CommandError> {
+        let before = energy(&self.simulation);
+        let done = match change {
+            Change::Reset => return self.reset(),
+            Change::Reseed(seed) => return self.reseed(seed),
+            Change::AddRandom(count) => self.add_random(count),
+            Change::AddBall { position, velocity, radius } => self.add_ball(position, velocity, radius),
+            Change::RemoveLast => self.simulation.balls().len().checked_sub(1).map_or(Ok(()), |last| {
+                self.remove(last);
+                Ok(())
+            }),
+            Change::Remove(index) => {
+                self.remove(index);
+                Ok(())
+            }
+            Change::Carry { ball, to } => self.carry(ball, to),
+            Change::Place { ball, at } => self.place(ball, at),
+            Change::Solver(solver) => {
+                self.simulation.set_solver(solver);
+                Ok(())
+            }
+            Change::ToggleGravity => self.toggle_gravity(),
+            Change::TiltGravity(by) => self.tilt_gravity(by),
+            Change::Resize(size) => self.resize(size),
+            Change::Compare(on) => self.compare(on),
+        };
+        self.given += energy(&self.simulation) - before;
+        done
+    }
+
+    fn reset(&mut self) -> Result<(), CommandError> {
+        let solver = self.solver();
+        self.simulation = self.start.simulation.clone();
+        if solver != self.solver() {
+            self.simulation.set_solver(solver);
+        }
+        self.rain = self.scene().rain();
+        self.simulation.resize(self.size)?;
+        self.fresh = true;
+        self.given = energy(&self.simulation);
+        if self.truth.is_some() {
+            self.truth = Some(Truth::of(&self.simulation));
+        }
+        Ok(())
+    }
+
+    fn reseed(&mut self, seed: u64) -> Result<(), CommandError> {
+        let scene = self.start.scene.clone().reseeded(seed);
+        let simulation = scene.build()?;
+        self.start = Arc::new(Start { scene, simulation });
+        self.reset()
+    }
+
+    fn add_random(&mut self, count: usize) -> Result<(), CommandError> {
+        let (world, balls) = (self.simulation.world(), self.simulation.balls());
+        let total = balls.len().saturating_add(count);
+        if total > MAX_BALLS {
+            return Err(BuildError::TooManyBalls { count: total }.into());
+        }
+        let balls = scene::filling(count, world, balls, self.seed).place(world, balls, self.additions);
+        self.additions += 1;
+        self.add(&balls)?;
+        let placed = balls.len();
+        if placed < count { Err(CommandError::NoRoom { placed, count }) } else { Ok(()) }
+    }
+
+    fn add_ball(&mut self, position: DVec2, velocity: DVec2, radius: f64) -> Result<(), CommandError> {
+        let radius = self.room_at(position, radius).ok_or(CommandError::NoRoomHere)?;
+        let ball = Ball::new(position, radius)?.with_velocity(velocity)?;
+        let ball = scene::like_the_last(self.simulation.balls(), ball)?;
+        self.add(&[ball])
+    }
+
+    fn add(&mut self, balls: &[Ball]) -> Result<(), CommandError> {
+        self.simulation.add(balls)?;
+        if let Some(truth) = &mut self.truth {
+            truth.simulation.add(balls)?;
+        }
+        Ok(())
+    }
+
+    fn remove(&mut self, index: usize) {
+        self.simulation.remove(index);
+        if let Some(truth) = &mut self.truth {
+            truth.simulation.remove(index);
+        }
+    }
+
+    /// The radius, at most `radius`, of a ball that fits at `position` between walls and other balls, px.
+    pub(super) fn room_at(&self, position: DVec2, radius: f64) -> Option<f64> {
+        let (world, mut radius) = (self.simulation.world(), radius);
+        if world.walls().is_some() {
+            radius = radius.min(position.min(world.size() - position).min_element());
+        }
+        if world.pairs().is_some() {
+            let gap = |ball: &Ball| ball.position().distance(position) - ball.radius();
+            radius = self.simulation.balls().iter().map(gap).fold(radius, f64::min);
+        }
+        (radius >= CLICK_RADIUS_LEAST).then_some(radius)
+    }
+
+    /// Gives a ball the velocity that brings it to where the hand is.
+    fn carry(&mut self, ball: usize, to: DVec2) -> Result<(), CommandError> {
+        let truth = self.truth.as_mut().map(|truth| &mut truth.simulation);
+        for simulation in [Some(&mut self.simulation), truth].into_iter().flatten() {
+            let Some(carried) = simulation.balls().get(ball) else { continue };
+            if carried.is_fixed() {
+                return Err(CommandError::Fixed);
+            }
+            let velocity = (to - carried.position()) / REACH;
+            let velocity = velocity.clamp(DVec2::splat(VELOCITY.low), DVec2::splat(VELOCITY.high));
+            simulation.set_velocity(ball, velocity)?;
+        }
+        Ok(())
+    }
+
+    fn place(&mut self, index: usize, at: DVec2) -> Result<(), CommandError> {
+        let Some(ball) = self.simulation.balls().get(index) else { return Ok(()) };
+        let placed = ball.with_position(at)?;
+        if self.simulation.world().pairs().is_some() && !self.is_free(index, &placed) {
+            return Err(CommandError::NoRoomHere);
+        }
+        self.simulation.set_position(index, at)?;
+        if let Some(truth) = &mut self.truth {
+            truth.simulation.set_position(index, at)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a ball of this index overlaps no other, or none more than it does now.
+    fn is_free(&self, index: usize, placed: &Ball) -> bool {
+        let now = self.simulation.balls()[index].position();
+        self.simulation.balls().iter().enumerate().all(|(other, ball)| {
+            let distance = ball.position().distance(placed.position());
+            let enough = (ball.radius() + placed.radius()).min(ball.position().distance(now));
+            other == index || distance >= enough
+        })
+    }
+
+    fn toggle_gravity(&mut self) -> Result<(), CommandError> {
+        let gravity = match self.simulation.world().gravity() {
+            Some(gravity) => {
+                self.gravity = gravity;
+                DVec2::ZERO
+            }
+            None => self.gravity,
+        };
+        self.set_gravity(gravity)
+    }
+
+    fn tilt_gravity(&mut self, by: DVec2) -> Result<(), CommandError> {
+        let by = GRAVITY.check_vector(by)?;
+        let gravity = self.simulation.world().gravity().unwrap_or_default() + by;
+        // Rounded, so that there and back is where it was: 0.1 + 98 - 98 is not 0.1.
+        let gravity = (gravity * GRAVITY_DIGITS).round() / GRAVITY_DIGITS;
+        self.set_gravity(gravity.clamp(DVec2::splat(GRAVITY.low), DVec2::splat(GRAVITY.high)))
+    }
+
+    fn set_gravity(&mut self, gravity: DVec2) -> Result<(), CommandError> {
+        self.simulation.set_gravity(gravity)?;
+        if let Some(truth) = &mut self.truth {
+            truth.simulation.set_gravity(gravity)?;
+        }
+        Ok(())
+    }
+
+    fn resize(&mut self, size: DVec2) -> Result<(), CommandError> {
+        self.simulation.resize(size)?;
+        if let Some(truth) = &mut self.truth {
+            truth.simulation.resize(size)?;
+        }
+        self.size = size;
+        Ok(())
+    }
+
+    fn compare(&mut self, on: bool) -> Result<(), CommandError> {
+        if on && self.rain.is_some() {
+            return Err(CommandError::RainNotCompared);
+        }
+        self.truth = on.then(|| Truth::of(&self.simulation));
+        Ok(())
+    }
+
+    /// The solver in use.
+    pub(super) fn solver(&self) -> Solver {
+        self.simulation.solver()
+    }
+}
+
+/// Kinetic and potential energy.
+fn energy(simulation: &Simulation) -> f64 {
+    kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
+}

@@ -1,0 +1,322 @@
+//! What was played, so that it can be gone back to and played again.
+//!
+//! A tape holds every frame and every change since the scene began, and every so often the whole state: a *key*. Any
+//! moment between is played again from the key before it, and comes to the same bits, since what was done is done again
+//! in the same order, frames that were cut short being cut short at the same place.
+
+use std::collections::VecDeque;
+use std::num::NonZeroU32;
+
+use super::command::Change;
+use super::state::State;
+
+/// Entries between two keys at first.
+const SPACING: usize = 64;
+/// Memory for keys, in bytes, about.
+const MOST_BYTES: usize = 256 << 20;
+/// ... of which this part is for those between two keys, close to where one goes back.
+const FINE_PART: usize = 4;
+/// As far back as one can go at least, in seconds as they were watched: farther than this, keys are forgotten.
+const KEPT: f64 = 40.0;
+/// The most entries that are kept: more than four hours at 60 frames per second, 25 MB.
+const MOST_ENTRIES: usize = 1 << 20;
+
+/// What happened.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Entry {
+    Frame(Frame),
+    /// In a box, since there are few of them and they are large.
+    Change(Box<Change>),
+}
+
+/// A frame that took place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Frame {
+    /// The seconds that it was asked to move on by.
+    pub(super) seconds: f64,
+    /// Where it was cut short: the look at the watch, from 1, that said so.
+    pub(super) cut: Option<NonZeroU32>,
+}
+
+impl Frame {
+    /// Advances a state by up to `seconds`, for as long as `go_on` says so: the frame that took place, and the seconds
+    /// that it moved on.
+    pub(super) fn take(
+        state: &mut State,
+        seconds: f64,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Result<(Self, f64), crate::OutOfRange> {
+        let (mut looks, mut cut) = (0_u32, None);
+        let done = state.advance(seconds, &mut || {
+            looks = looks.saturating_add(1);
+            if cut.is_none() && !go_on() {
+                cut = NonZeroU32::new(looks);
+            }
+            cut.is_none()
+        })?;
+        Ok((Self { seconds, cut }, done))
+    }
+
+    /// Takes place once more.
+    pub(super) fn repeat(self, state: &mut State) -> Result<f64, crate::OutOfRange> {
+        let mut looks = 0_u32;
+        let last = self.cut.map_or(u32::MAX, NonZeroU32::get);
+        Self::take(state, self.seconds, || {
+            looks = looks.saturating_add(1);
+            looks < last
+        })
+        .map(|(_, done)| done)
+    }
+}
+
+impl Entry {
+    /// Happens once more.
+    fn repeat(&self, state: &mut State) {
+        // What could not be done, or in part only, could not be done then.
+        match self {
+            Self::Frame(frame) => drop(frame.repeat(state)),
+            Self::Change(change) => drop(state.apply(**change)),
+        }
+    }
+
+    fn is_frame(&self) -> bool {
+        matches!(self, Self::Frame(_))
+    }
+}
+
+/// The state when so many entries since the beginning had happened.
+#[derive(Debug)]
+struct Key {
+    at: usize,
+    /// The seconds that had been watched until then.
+    watched: f64,
+    state: State,
+}
+
+/// The tape. Places on it are counted in entries since the scene began.
+#[derive(Debug)]
+pub(super) struct Tape {
+    entries: VecDeque<Entry>,
+    /// The place of the first entry that is kept.
+    first: usize,
+    /// The place of the present.
+    at: usize,
+    /// In order; never empty. The first is as far back as one can go.
+    keys: VecDeque<Key>,
+    /// Between two keys: where one goes back frame by frame.
+    fine: Vec<Key>,
+    spacing: usize,
+    watched: f64,
+}
+
+impl Tape {
+    /// A tape that begins with this state.
+    pub(super) fn new(state: &State) -> Self {
+        let key = Key { at: 0, watched: 0.0, state: state.clone() };
+        Self {
+            entries: VecDeque::new(),
+            first: 0,
+            at: 0,
+            keys: VecDeque::from([key]),
+            fine: Vec::new(),
+            spacing: SPACING,
+            watched: 0.0,
+        }
+    }
+
+    /// Everything since the scene began; `None` where that is too long ago.
+    pub(super) fn whole(&self) -> Option<impl Iterator<Item = &Entry>> {
+        (self.first == 0).then(|| self.entries.iter().take(self.at))
+    }
+
+    /// The entry that comes next, where the present is not the end of the tape.
+    pub(super) fn next(&self) -> Option<&Entry> {
+        self.entries.get(self.at - self.first)
+    }
+
+    /// Simulated seconds from the present to the end of the tape.
+    pub(super) fn left(&self) -> f64 {
+        let seconds = |entry: &Entry| if let Entry::Frame(frame) = entry { frame.seconds } else { 0.0 };
+        self.entries.range(self.at - self.first..).map(seconds).sum()
+    }
+
+    /// Adds what has happened in the present, and led to `state`; what came after it before is forgotten. `watched` are
+    /// the seconds for which the frame is seen.
+    pub(super) fn add(&mut self, entry: Entry, watched: f64, state: &State) {
+        self.cut_off_future();
+        let is_frame = entry.is_frame();
+        self.entries.push_back(entry);
+        self.at += 1;
+        self.watched += watched;
+        let last = self.keys.back().map_or(0, |key| key.at);
+        if is_frame && self.at >= last + self.spacing {
+            self.keys.push_back(Key { at: self.at, watched: self.watched, state: state.clone() });
+            self.forget();
+        }
+        if self.entries.len() > MOST_ENTRIES {
+            // From the first key on all can still be gone back to; a replay from the beginning cannot be had any more.
+            let reached = self.keys.front().map_or(self.at, |key| key.at).max(self.first + 1);
+            self.entries.drain(..reached - self.first);
+            self.first = reached;
+            self.keys.retain(|key| key.at >= reached);
+            if self.keys.is_empty() {
+                self.keys.push_back(Key { at: self.at, watched: self.watched, state: state.clone() });
+                self.entries.clear();
+                self.first = self.at;
+            }
+        }
+    }
+
+    fn cut_off_future(&mut self) {
+        self.entries.truncate(self.at - self.first);
+        self.keys.retain(|key| key.at <= self.at);
+        self.fine.clear();
+    }
+
+    /// Keeps to the memory that keys may take: the oldest go, unless one could then go back too little; else every
+    /// second.
+    fn forget(&mut self) {
+        let bytes = |keys: &VecDeque<Key>| keys.iter().map(|key| key.state.bytes()).sum::<usize>();
+        while self.keys.len() > 2 && bytes(&self.keys) > MOST_BYTES {
+            if self.watched - self.keys[1].watched > KEPT {
+                self.keys.pop_front();
+                continue;
+            }
+            let mut keep = false;
+            let last = self.keys.len() - 1;
+            let mut index = 0;
+            self.keys.retain(|_| {
+                keep = !keep;
+                index += 1;
+                keep || index > last
+            });
+            self.spacing *= 2;
+        }
+    }
+
+    /// Plays the next entry, where the present is not the end of the tape.
+    pub(super) fn play(&mut self, state: &mut State) {
+        if let Some(entry) = self.entries.get(self.at - self.first) {
+            entry.repeat(state);
+            self.at += 1;
+        }
+    }
+
+    /// The state at the end of the frame before the present, or before the changes since; the present is there then.
+    /// `None` where there is none that can be had.
+    pub(super) fn back(&mut self) -> Option<State> {
+        let oldest = self.keys.front()?.at;
+        let frames = (oldest..self.at).rev().filter(|&at| at > self.first);
+        let mut ends = frames.filter(|&at| self.entries[at - 1 - self.first].is_frame());
+        let to = ends.next()?;
+        self.at = to;
+        Some(self.state_at(to))
+    }
+
+    /// The state at a place that is not before the first key.
+    fn state_at(&mut self, place: usize) -> State {
+        let before = |key: &&Key| key.at <= place;
+        let coarse = self.keys.iter().rev().find(before);
+        let fine = self.fine.iter().filter(before).max_by_key(|key| key.at);
+        let nearest = coarse.into_iter().chain(fine).max_by_key(|key| key.at);
+        let Some(nearest) = nearest else { return self.keys[0].state.clone() };
+        let (from, mut state) = (nearest.at, nearest.state.clone());
+        // Keys on the way, as many as there are entries between two of them: going on backwards costs as little.
+        let gap = ((place - from) as f64).sqrt().ceil().max(1.0) as usize;
+        let most = MOST_BYTES / FINE_PART / state.bytes();
+        if place - from > SPACING / 4 {
+            self.fine.clear();
+        }
+        for at in from..place {
+            self.entries[at - self.first].repeat(&mut state);
+            let done = at + 1 - from;
+            if done.is_multiple_of(gap) && at + 1 < place && self.fine.len() < most {
+                self.fine.push(Key { at: at + 1, watched: 0.0, state: state.clone() });
+            }
+        }
+        state
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    fn recorded(frames: usize) -> (Tape, State, Vec<Vec<crate::Ball>>) {
+        let mut state = State::new(&Scene::load("gravity").unwrap(), 1).unwrap();
+        let mut tape = Tape::new(&state);
+        let mut shown = Vec::new();
+        for _ in 0..frames {
+            let (frame, _) = Frame::take(&mut state, 1.0 / 60.0, || true).unwrap();
+            tape.add(Entry::Frame(frame), 1.0 / 60.0, &state);
+            shown.push(state.simulation.balls().to_vec());
+        }
+        (tape, state, shown)
+    }
+
+    #[test]
+    fn going_back_shows_every_frame_again_to_the_first() {
+        let (mut tape, _, shown) = recorded(300);
+        for expected in shown.iter().rev().skip(1) {
+            assert_eq!(tape.back().unwrap().simulation.balls(), expected);
+        }
+        // The state before the first frame is no frame.
+        assert!(tape.back().is_none());
+        let mut state = tape.state_at(1);
+        for expected in &shown[1..] {
+            tape.play(&mut state);
+            assert_eq!(state.simulation.balls(), expected);
+        }
+        assert!(tape.next().is_none());
+    }
+
+    #[test]
+    fn what_happens_in_the_past_takes_the_place_of_what_came_after_it() {
+        let (mut tape, _, shown) = recorded(100);
+        for _ in 0..40 {
+            tape.back();
+        }
+        assert!((tape.left() - 40.0 / 60.0).abs() < 1e-9);
+        let mut state = tape.state_at(60);
+        state.apply(Change::RemoveLast).unwrap();
+        tape.add(Entry::Change(Box::new(Change::RemoveLast)), 0.0, &state);
+        assert_eq!((tape.left(), tape.whole().unwrap().count()), (0.0, 61));
+        // Taking a change back is a step of its own.
+        assert_eq!(tape.back().unwrap().simulation.balls(), shown[59]);
+        assert_eq!(tape.back().unwrap().simulation.balls(), shown[58]);
+    }
+
+    #[test]
+    fn keys_keep_to_their_memory_and_reach_back_far_enough_all_the_same() {
+        let (mut tape, state, _) = recorded(1);
+        let mut large = state.clone();
+        large.apply(Change::AddRandom(3000)).ok();
+        let frame = Frame { seconds: 0.0, cut: None };
+        let watched = 1.0 / 60.0;
+        for _ in 0..60 * 120 {
+            tape.add(Entry::Frame(frame), watched, &large);
+        }
+        let bytes: usize = tape.keys.iter().map(|key| key.state.bytes()).sum();
+        assert!(bytes <= MOST_BYTES, "{bytes}");
+        let reach = tape.watched - tape.keys[0].watched;
+        assert!(reach >= KEPT, "{reach}");
+        assert!(tape.keys.iter().zip(tape.keys.iter().skip(1)).all(|(one, next)| one.at < next.at));
+    }
+
+    #[test]
+    fn a_frame_that_was_cut_short_is_cut_short_again_at_the_same_place() {
+        let scene = Scene::load("pile").unwrap().with_solver(crate::Solver::Contact);
+        let mut state = State::new(&scene, 1).unwrap();
+        let mut again = state.clone();
+        let mut left = 2;
+        let (frame, done) = Frame::take(&mut state, 0.1, || {
+            left -= 1;
+            left > 0
+        })
+        .unwrap();
+        assert!(frame.cut.is_some() && done < 0.1);
+        assert_eq!(frame.repeat(&mut again).unwrap(), done);
+        assert_eq!(state.simulation.balls(), again.simulation.balls());
+    }
+}

@@ -1,0 +1,204 @@
+//! Laws of a session that need to look inside of it.
+
+use super::*;
+use crate::simulation::limits::GRAVITY;
+
+const EARTH: DVec2 = DVec2::new(0.0, 980.0);
+
+fn session(scene: &str) -> Session {
+    let mut session = Session::new(&Scene::load(scene).unwrap(), 1).unwrap();
+    session.advance(0.5).unwrap();
+    session
+}
+
+fn positions(session: &Session) -> Vec<DVec2> {
+    session.simulation().balls().iter().map(Ball::position).collect()
+}
+
+#[test]
+fn the_first_frame_takes_no_time_even_while_paused() {
+    let mut session = Session::new(&Scene::load("gravity").unwrap(), 1).unwrap();
+    session.apply(Command::TogglePause).unwrap();
+    session.advance(0.5).unwrap();
+    assert_eq!(session.simulation().time(), 0.0);
+    assert!(session.simulation().touching()[1] && session.simulation().touching()[12]);
+    session.advance(0.5).unwrap();
+    assert_eq!(session.simulation().time(), 0.0);
+}
+
+#[test]
+fn a_hitch_advances_no_more_than_the_longest_frame() {
+    let mut session = session("gravity");
+    session.advance(3600.0).unwrap();
+    assert_eq!(session.simulation().time(), LONGEST_FRAME);
+    session.apply(Command::Slower).unwrap();
+    session.advance(0.01).unwrap();
+    assert_eq!(session.simulation().time(), LONGEST_FRAME + 0.005);
+}
+
+#[test]
+fn steps_are_taken_only_while_paused_each_as_a_frame_of_its_own() {
+    let mut session = session("gravity");
+    session.apply(Command::Step).unwrap();
+    assert!(session.steps.is_empty() && session.simulation().time() == 0.0);
+    let mut stepped = Scene::load("gravity").unwrap().build().unwrap();
+    for seconds in [0.0, STEP, STEP] {
+        stepped.advance(seconds).unwrap();
+    }
+    session.apply(Command::TogglePause).unwrap();
+    assert!(!session.is_moving());
+    for _ in 0..2 {
+        session.apply(Command::Step).unwrap();
+    }
+    assert!(session.is_moving());
+    session.advance(0.5).unwrap();
+    assert!(!session.is_moving());
+    assert_eq!(session.simulation().time(), 2.0 * STEP);
+    assert_eq!(session.simulation().balls(), stepped.balls());
+    session.apply(Command::Step).unwrap();
+    for _ in 0..2 {
+        session.apply(Command::TogglePause).unwrap();
+    }
+    assert!(!session.is_moving(), "to let time run and stop it again forgets steps");
+}
+
+#[test]
+fn what_was_behind_is_not_when_something_else_is_played() {
+    for command in
+        [Command::Change(Change::Reset), Command::NextSolver, Command::NextScene, Command::Scene(3)]
+    {
+        let mut session = session("gravity");
+        session.pace.note(0.1, 0.1, 0.05);
+        assert!(session.is_behind());
+        session.apply(command).unwrap();
+        assert!(!session.is_behind(), "{command:?}");
+    }
+}
+
+#[test]
+fn a_session_that_is_not_cut_short_is_not_behind() {
+    let mut session = session("gravity");
+    session.advance_while(0.1, || false).unwrap();
+    assert!(!session.is_behind(), "canvas always finishes");
+    assert_eq!(session.simulation().time(), 0.1);
+}
+
+#[test]
+fn reset_restores_the_scene_in_the_window_as_it_is() {
+    let mut session = session("gravity");
+    let start = positions(&session);
+    for command in [
+        Command::Change(Change::AddRandom(3)),
+        Command::Change(Change::ToggleGravity),
+        Command::Change(Change::RemoveLast),
+    ] {
+        session.apply(command).unwrap();
+    }
+    session.advance(0.1).unwrap();
+    assert_ne!(positions(&session), start);
+    session.apply(Command::Change(Change::Reset)).unwrap();
+    session.advance(0.1).unwrap();
+    assert_eq!(positions(&session), start);
+    assert_eq!(session.simulation().world().gravity(), Some(EARTH));
+
+    session.resize(DVec2::new(400.0, 300.0)).unwrap();
+    session.apply(Command::Change(Change::Reset)).unwrap();
+    assert_eq!(session.simulation().world().size(), DVec2::new(400.0, 300.0));
+    assert!(positions(&session).iter().all(|p| p.cmplt(DVec2::new(400.0, 300.0)).all()));
+}
+
+#[test]
+fn added_balls_are_others_each_time_and_overlap_nothing() {
+    let mut session = session("elastic");
+    session.apply(Command::Change(Change::AddRandom(1))).unwrap();
+    session.apply(Command::Change(Change::AddRandom(1))).unwrap();
+    let balls = session.simulation().balls();
+    assert_eq!(balls.len(), 17);
+    assert_ne!(balls[15], balls[16]);
+    assert_eq!(balls[16].restitution(), 1.0, "in an elastic scene, added balls are elastic");
+    let mut grid = crate::simulation::grid::Grid::new(balls, session.simulation().world().size());
+    assert!(crate::simulation::invariants::max_overlap(&mut grid, balls) < 1e-9);
+}
+
+#[test]
+fn a_clicked_ball_fits_its_place_or_is_refused() {
+    let mut session = session("gravity");
+    let add =
+        |position| Change::AddBall { position, velocity: DVec2::new(5.0, 6.0), radius: CLICK_RADIUS }.into();
+    session.apply(add(DVec2::new(1000.0, 500.0))).unwrap();
+    let ball = *session.simulation().balls().last().unwrap();
+    assert_eq!((ball.radius(), ball.velocity()), (CLICK_RADIUS, DVec2::new(5.0, 6.0)));
+    session.apply(add(DVec2::new(1275.0, 500.0))).unwrap();
+    assert_eq!(session.simulation().balls().last().unwrap().radius(), 5.0);
+    assert!(matches!(session.apply(add(DVec2::new(120.0, 100.0))), Err(CommandError::NoRoomHere)));
+    assert!(matches!(session.apply(add(DVec2::new(-50.0, 100.0))), Err(CommandError::NoRoomHere)));
+    assert!(session.apply(add(DVec2::splat(f64::NAN))).is_err());
+    assert_eq!(session.simulation().balls().len(), 17);
+}
+
+#[test]
+fn scenes_go_round_and_keep_the_windows_size() {
+    let mut session = session("gravity");
+    session.resize(DVec2::new(900.0, 500.0)).unwrap();
+    session.apply(Command::NextScene).unwrap();
+    assert_eq!(session.name(), scene::names()[scene::STAGES % scene::names().len()]);
+    session.apply(Command::PreviousScene).unwrap();
+    assert_eq!(session.name(), "gravity");
+    for number in 0..scene::names().len() {
+        session.apply(Command::Scene(number)).unwrap();
+        assert_eq!(session.name(), scene::names()[number]);
+        assert_eq!(session.simulation().world().size(), DVec2::new(900.0, 500.0));
+    }
+    session.apply(Command::Scene(99)).unwrap();
+}
+
+#[test]
+fn gravity_comes_back_as_it_was() {
+    let mut session = session("gravity");
+    session.apply(Command::Change(Change::ToggleGravity)).unwrap();
+    assert_eq!(session.simulation().world().gravity(), None);
+    session.apply(Command::Change(Change::ToggleGravity)).unwrap();
+    assert_eq!(session.simulation().world().gravity(), Some(EARTH));
+}
+
+#[test]
+fn gravity_is_tilted_in_clean_steps_from_none_and_back_to_none() {
+    let mut session = session("gravity");
+    let right = Command::Change(Change::TiltGravity(DVec2::new(98.0, 0.0)));
+    let up = Command::Change(Change::TiltGravity(DVec2::new(0.0, -98.0)));
+    session.apply(right).unwrap();
+    assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(98.0, 980.0)));
+    // G brings back what was tilted, and a tilt while it is off begins from none.
+    session.apply(Command::Change(Change::ToggleGravity)).unwrap();
+    session.apply(Command::Change(Change::ToggleGravity)).unwrap();
+    assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(98.0, 980.0)));
+    session.apply(Command::Change(Change::ToggleGravity)).unwrap();
+    session.apply(right).unwrap();
+    assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(98.0, 0.0)));
+
+    session.apply(Command::Change(Change::Reset)).unwrap();
+    for _ in 0..10 {
+        session.apply(up).unwrap();
+    }
+    assert_eq!(session.simulation().world().gravity(), None);
+    session.apply(up).unwrap();
+    assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(0.0, -98.0)));
+
+    session.state.simulation.set_gravity(DVec2::new(0.1, 9.81)).unwrap();
+    let (there, back) = (DVec2::new(98.0, -98.0), DVec2::new(-98.0, 98.0));
+    for by in [[there; 100], [back; 100]].concat() {
+        session.apply(Change::TiltGravity(by).into()).unwrap();
+    }
+    assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(0.1, 9.81)));
+}
+
+#[test]
+fn gravity_is_tilted_no_further_than_its_range() {
+    let mut session = session("gravity");
+    for _ in 0..3 {
+        session.apply(Change::TiltGravity(DVec2::new(GRAVITY.low, GRAVITY.high)).into()).unwrap();
+    }
+    assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(GRAVITY.low, GRAVITY.high)));
+    assert!(session.apply(Change::TiltGravity(DVec2::new(f64::NAN, 0.0)).into()).is_err());
+    assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(GRAVITY.low, GRAVITY.high)));
+}

@@ -1,0 +1,259 @@
+//! Keys, the mouse and files, and what they do.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use glam::DVec2;
+use winit::dpi::PhysicalPosition;
+use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta};
+use winit::event_loop::ActiveEventLoop;
+use winit::keyboard::{Key, ModifiersState, NamedKey};
+use winit::window::Fullscreen;
+
+use super::super::keys::{self, Action};
+use super::super::overlay::{Browser, Direction, Gauge};
+use super::super::watch::Watch;
+use super::super::{Options, words};
+use super::App;
+use crate::paint::trails::Trails;
+use crate::scene::{self, Scene};
+use crate::session::{Change, Command};
+
+/// How long it is shown where gravity pulls, once it has changed.
+const GRAVITY_SHOWN: Duration = Duration::from_secs(3);
+/// Pixels of a smooth wheel that count as one notch.
+const NOTCH: f64 = 40.0;
+
+impl App {
+    /// What keys and buttons are held, nobody tells any more.
+    pub(super) fn lose_focus(&mut self) {
+        self.modifiers = ModifiersState::empty();
+        self.rewinding = false;
+        self.hands.let_go();
+    }
+
+    pub(super) fn key(&mut self, event_loop: &ActiveEventLoop, event: &KeyEvent) {
+        if event.state != ElementState::Pressed {
+            if event.logical_key == Key::Named(NamedKey::ArrowLeft) {
+                self.rewinding = false;
+            }
+            return;
+        }
+        if self.browser.is_some() && self.browse(&event.logical_key) {
+            return self.request_redraw();
+        }
+        match keys::action(&event.logical_key, self.modifiers, event.repeat) {
+            None => return,
+            Some(Action::Do(command)) => self.apply(command),
+            Some(Action::Rewind) if self.session.is_paused() => self.apply(Command::Back),
+            Some(Action::Rewind) => self.rewinding = true,
+            Some(Action::ToggleHelp) => self.help = !self.help,
+            Some(Action::ToggleTrails) => {
+                self.trails = if self.trails.is_some() { None } else { Some(Trails::default()) };
+                self.painter.forget();
+                let on = if self.trails.is_some() { "on" } else { "off" };
+                self.say(format!("trails {on}"));
+            }
+            Some(Action::ToggleBrowser) => self.open_browser(),
+            Some(Action::ToggleFigures) => {
+                self.gauge = if self.gauge.is_some() { None } else { Some(Gauge::default()) };
+            }
+            Some(Action::ToggleFullscreen) => self.toggle_fullscreen(),
+            Some(Action::SavePicture) => self.save_picture(),
+            Some(Action::SaveScene) => self.save_scene(),
+            Some(Action::SaveReplay) => self.save_replay(),
+            Some(Action::ToggleRecording) => self.toggle_recording(),
+            Some(Action::Leave) if self.help => self.help = false,
+            Some(Action::Leave) => return event_loop.exit(),
+        }
+        self.request_redraw();
+    }
+
+    /// Shows all scenes; time stands still meanwhile.
+    pub(super) fn open_browser(&mut self) {
+        self.browser = Some(Browser::open(self.session.scene()));
+        self.help = false;
+        self.hands.let_go();
+        self.stop_clock();
+    }
+
+    pub(super) fn close_browser(&mut self) {
+        self.browser = None;
+        self.painter.forget();
+        self.stop_clock();
+    }
+
+    /// Goes through the list of scenes; whether the key does anything there. Those that do not, do what they always do.
+    pub(super) fn browse(&mut self, key: &Key) -> bool {
+        let Some(browser) = &mut self.browser else { return false };
+        match key {
+            Key::Named(NamedKey::ArrowLeft) => browser.step(Direction::Left),
+            Key::Named(NamedKey::ArrowRight) => browser.step(Direction::Right),
+            Key::Named(NamedKey::ArrowUp) => browser.step(Direction::Up),
+            Key::Named(NamedKey::ArrowDown) => browser.step(Direction::Down),
+            Key::Named(NamedKey::Enter | NamedKey::Space) => self.open_selected(),
+            Key::Named(NamedKey::Escape) => self.close_browser(),
+            Key::Character(text) if matches!(text.as_str(), "m" | "M") => self.close_browser(),
+            // Full screen and pictures are for any view; what acts on balls that nobody sees is not.
+            Key::Named(NamedKey::F11 | NamedKey::F12) => return false,
+            _ => {}
+        }
+        true
+    }
+
+    pub(super) fn open_selected(&mut self) {
+        if let Some(scene) = self.browser.as_ref().and_then(Browser::selected).cloned() {
+            self.close_browser();
+            self.open_scene(&scene);
+        }
+    }
+
+    pub(super) fn apply(&mut self, command: Command) {
+        let was_paused = self.session.is_paused();
+        if let Err(error) = self.session.apply(command) {
+            self.complain(error.to_string());
+        } else if let Some(text) = words::done(command, &self.session) {
+            if matches!(command, Command::Change(Change::ToggleGravity | Change::TiltGravity(_))) {
+                self.gravity_until = Some(Instant::now() + GRAVITY_SHOWN);
+                self.entitle(text);
+            } else {
+                self.say(text);
+            }
+        }
+        let keeps_balls = matches!(
+            command,
+            Command::TogglePause
+                | Command::Step
+                | Command::StepToImpact
+                | Command::Slower
+                | Command::Faster
+                | Command::NextSolver
+                | Command::ToggleComparison
+                | Command::Change(
+                    Change::AddRandom(_)
+                        | Change::AddBall { .. }
+                        | Change::ToggleGravity
+                        | Change::TiltGravity(_)
+                )
+        );
+        if !keeps_balls {
+            self.hands.let_go();
+        }
+        // A frame that was painted while paused has started the clock again.
+        if was_paused || self.session.is_paused() {
+            self.stop_clock();
+        }
+        self.set_title();
+    }
+
+    /// Plays the scene file at this path.
+    pub(super) fn open_file(&mut self, path: &Path) {
+        match Scene::load(&path.to_string_lossy()) {
+            Ok(scene) => self.open_scene(&scene),
+            Err(error) => self.complain(error.to_string()),
+        }
+    }
+
+    /// Plays another scene, or tells why it cannot be played.
+    pub(super) fn open_scene(&mut self, scene: &Scene) {
+        match self.session.open(scene) {
+            Ok(()) => {
+                self.hands.let_go();
+                self.stop_clock();
+                self.watch = watch(scene, &self.options);
+                self.say(words::scene(&self.session));
+            }
+            Err(error) => self.complain(error.to_string()),
+        }
+        self.set_title();
+        self.request_redraw();
+    }
+
+    /// Plays the scene file anew where it was saved; one that is wrong is told, and what is played goes on.
+    pub(super) fn look_at_file(&mut self, now: Instant) {
+        match self.watch.as_mut().and_then(|watch| watch.poll(now)) {
+            None => {}
+            Some(Ok(scene)) => match self.session.open(&scene) {
+                Ok(()) => {
+                    self.hands.let_go();
+                    self.stop_clock();
+                    self.entitle(format!("{} loaded again", self.session.name()));
+                }
+                Err(error) => self.complain(error.to_string()),
+            },
+            Some(Err(error)) => self.complain(error.to_string()),
+        }
+    }
+
+    pub(super) fn toggle_fullscreen(&self) {
+        if let Some((window, _)) = &self.screen {
+            let fullscreen = window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
+            window.set_fullscreen(fullscreen);
+        }
+    }
+
+    pub(super) fn point_at(&mut self, position: PhysicalPosition<f64>) {
+        let Some((window, _)) = &self.screen else { return };
+        if let Some(browser) = &mut self.browser {
+            browser.point_at(DVec2::new(position.x, position.y));
+            self.browsed = DVec2::new(position.x, position.y);
+            return self.request_redraw();
+        }
+        let position = position.to_logical(window.scale_factor());
+        if self.hands.point_at(DVec2::new(position.x, position.y)) {
+            self.pointed = Some(Instant::now());
+            self.request_redraw();
+        }
+    }
+
+    pub(super) fn press(&mut self, button: MouseButton, state: ElementState) {
+        if let Some(browser) = &mut self.browser {
+            let at = self.browsed;
+            if (button, state) == (MouseButton::Left, ElementState::Pressed) && browser.select_at(at) {
+                self.open_selected();
+            }
+            return self.request_redraw();
+        }
+        self.pointed = Some(Instant::now());
+        match (button, state) {
+            (MouseButton::Left, ElementState::Pressed) => {
+                if let Err(error) = self.hands.press(&self.session) {
+                    self.complain(error.to_string());
+                }
+            }
+            (MouseButton::Left, ElementState::Released) => {
+                if let Some(change) = self.hands.release() {
+                    self.apply(change.into());
+                }
+            }
+            (MouseButton::Right, ElementState::Pressed) => {
+                if let Some(change) = self.hands.pick(&self.session) {
+                    self.apply(change.into());
+                }
+            }
+            _ => return,
+        }
+        self.request_redraw();
+    }
+
+    pub(super) fn turn_wheel(&mut self, delta: MouseScrollDelta) {
+        let notches = match delta {
+            MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
+            MouseScrollDelta::PixelDelta(pixels) => pixels.y / NOTCH,
+        };
+        if let Some(browser) = &mut self.browser {
+            browser.scroll(-notches.signum() as i32);
+            return self.request_redraw();
+        }
+        let radius = self.hands.turn(notches);
+        self.pointed = Some(Instant::now());
+        self.say(format!("next ball: radius {radius:.0} px"));
+        self.request_redraw();
+    }
+}
+
+/// What tells that the file of a scene was saved, where it has one and that is asked for.
+pub(super) fn watch(scene: &Scene, options: &Options) -> Option<Watch> {
+    let is_file = !scene::names().contains(&scene.argument());
+    (options.watch && is_file).then(|| Watch::new(scene.argument()))
+}

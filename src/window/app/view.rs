@@ -1,0 +1,127 @@
+//! What is painted: balls, what lies behind them, and what lies over them.
+
+use std::time::{Duration, Instant};
+
+use glam::DVec2;
+
+use super::super::hands::Gesture;
+use super::super::overlay::{Comparison, Frame, Hand, Overlay, Room, Sheet};
+use super::super::words;
+use super::App;
+
+/// How long it is shown what the pointer would do, after it has moved.
+const POINTED: Duration = Duration::from_millis(1500);
+
+impl App {
+    /// Paints what looks other than it did last, and tells whether anything does.
+    pub(super) fn paint(&mut self, scale: f64, measured: f64, now: Instant) -> bool {
+        let Some((_, screen)) = &self.screen else { return false };
+        let size = screen.size();
+        let room = Room { picture: DVec2::new(size.width.into(), size.height.into()), scale };
+        let overlay = (self.overlay(room, measured, now), scale);
+        let same = self.overlay == overlay;
+        self.overlay = overlay;
+        let Some((_, screen)) = &mut self.screen else { return false };
+        let Some((mut pixmap, kept)) = screen.pixmap() else { return false };
+        let (simulation, painter) = (self.session.simulation(), &mut self.painter);
+        let (overlay, _) = &self.overlay;
+        if !kept {
+            painter.forget();
+        }
+        let size = (pixmap.width(), pixmap.height());
+        if same && overlay.is_empty() && self.trails.is_none() {
+            return painter.repaint(simulation, scale, &mut pixmap);
+        }
+        // Trails fade where nothing else moves, but not while time stands still.
+        let time = std::mem::replace(&mut self.time, simulation.time());
+        let fades = self.trails.is_some() && time != simulation.time();
+        if same && !fades && !painter.would_change(simulation, scale, size) {
+            return false;
+        }
+        painter.paint(simulation, scale, &mut pixmap);
+        if let Some(trails) = &mut self.trails {
+            trails.follow(simulation, scale, size);
+            trails.paint(&mut pixmap);
+        }
+        if let Some(recorder) = self.recorder.as_mut().filter(|recorder| recorder.is_recording()) {
+            let (kept, told) = overlay.parts();
+            kept.paint(&mut pixmap, scale);
+            self.recorder_again = recorder.add(pixmap.as_ref(), now);
+            told.paint(&mut pixmap, scale);
+        } else {
+            overlay.paint(&mut pixmap, scale);
+        }
+        true
+    }
+
+    /// What is to be painted over the balls `now`, `measured` seconds after the frame before.
+    pub(super) fn overlay(&mut self, room: Room, measured: f64, now: Instant) -> Overlay {
+        let figures = self.gauge.as_mut().and_then(|gauge| {
+            gauge.feed(&Frame {
+                scene: self.session.name(),
+                simulation: self.session.simulation(),
+                time_scale: self.session.time_scale(),
+                paused: self.session.is_paused(),
+                measured,
+                given: self.session.given_energy(),
+                split: self.split,
+            });
+            gauge.panel(room)
+        });
+        let session = &self.session;
+        let behind = session.is_behind() && !session.is_paused();
+        let sheet = if self.help {
+            Some(Sheet::Help)
+        } else {
+            behind.then(|| Sheet::Behind(session.simulation().solver()))
+        };
+        let gravity = self.gravity_until.is_some_and(|until| now < until && !self.options.quiet);
+        let recorder = self.recorder.as_ref().filter(|recorder| recorder.is_recording());
+        let (page, missing) =
+            self.browser.as_mut().map_or((None, false), |browser| browser.page(room.picture, room.scale));
+        if missing {
+            self.request_redraw();
+        }
+        let session = &self.session;
+        let simulation = session.simulation();
+        let compared = session.truth().map(|truth| Comparison::new(simulation, truth, session.errors()));
+        let overlay = Overlay {
+            comparison: compared,
+            hand: self.hand(now),
+            gravity: gravity.then(|| session.simulation().world().gravity().unwrap_or_default()),
+            figures,
+            past: (session.is_in_the_past() && !self.options.quiet)
+                .then(|| words::past(session.seconds_ago(), session.is_paused(), self.rewinding)),
+            sheet,
+            page,
+            recording: recorder.map(|_| now.saturating_duration_since(self.recording_since).as_secs()),
+            message: self.messages.shown(now),
+        };
+        let ends = [self.gravity_until, self.pointed.map(|at| at + POINTED), self.messages.next_change(now)];
+        self.overlay_changes = ends.into_iter().flatten().filter(|&at| at > now).min();
+        overlay
+    }
+
+    /// What is shown of the hand, for a while after it has moved, and for as long as it holds something.
+    pub(super) fn hand(&self, now: Instant) -> Option<Hand> {
+        if !self.hands.are_busy() && self.pointed.is_none_or(|at| now >= at + POINTED) {
+            return None;
+        }
+        let ball = |index: usize| self.session.simulation().balls().get(index);
+        Some(match self.hands.gesture(&self.session)? {
+            Gesture::Aim { at, wished, fits } => Hand::Aim { at, wished, fits },
+            Gesture::Throw { from, to, velocity, radius } => {
+                let path = radius.map(|radius| self.session.path(from, velocity, radius));
+                Hand::Throw { from, to, radius, path: path.unwrap_or_default() }
+            }
+            Gesture::Over(index) => {
+                let ball = ball(index)?;
+                Hand::Over { centre: ball.position(), radius: ball.radius() }
+            }
+            Gesture::Hold(index) => {
+                let ball = ball(index)?;
+                Hand::Hold { centre: ball.position(), radius: ball.radius() }
+            }
+        })
+    }
+}

@@ -1,0 +1,94 @@
+//! The strip that warns of time that runs slower than it should.
+
+use glam::DVec2;
+use tiny_skia::PixmapMut;
+
+use crate::paint::text::{BASELINE, LINE, text, width, wrap};
+use crate::simulation::Solver;
+
+use super::TEXT_SIZE;
+use super::sheet::{AMBER, INK, extent, rectangle, sheet};
+
+/// How high that edge is, below the strip, and how wide the margin around the warning, in text sizes.
+const EDGE: f64 = 0.15;
+const MARGIN: f64 = 0.7;
+/// The warning's lines break at the window's edge, but into no fewer characters than this: from there the text shrinks.
+const LINE_CHARACTERS: usize = 24;
+
+/// Paints a strip along the upper edge that says that time runs slower, why, and what to do about it. Returns
+/// how high the strip is, px.
+pub(super) fn behind(pixmap: &mut PixmapMut<'_>, solver: Solver, scale: f64) -> f64 {
+    let solvers: Vec<_> = Solver::ALL.iter().map(|solver| solver.name()).collect();
+    let picture = extent(pixmap);
+    let wanted = TEXT_SIZE * scale;
+    let room = ((picture.x / wanted - 2.0 * MARGIN) / width("m", 1.0)).max(0.0) as usize;
+    let lines = wrap(&behind_text(solver.name(), &solvers), room.max(LINE_CHARACTERS));
+    let longest = lines.iter().map(|line| width(line, 1.0)).fold(0.0, f64::max);
+    // In units of the text's size; at most half of the picture is covered.
+    let needed = DVec2::new(longest, lines.len() as f64 * LINE) + 2.0 * MARGIN;
+    let size = wanted.min((picture / (needed * DVec2::new(1.0, 2.0))).min_element());
+    let height = (needed.y * size).round();
+    sheet(pixmap, DVec2::ZERO, DVec2::new(picture.x, height));
+    let edge = (EDGE * size).round().max(1.0);
+    rectangle(pixmap, DVec2::new(0.0, height), DVec2::new(picture.x, edge), AMBER);
+    for (index, line) in lines.iter().enumerate() {
+        let baseline = MARGIN + index as f64 * LINE + BASELINE;
+        text(pixmap, DVec2::new(MARGIN, baseline) * size, size, INK, line);
+    }
+    height + edge
+}
+
+/// What the warning says: two sentences, for the solver in use and the names of all there are.
+fn behind_text(solver: &str, solvers: &[&str]) -> [String; 2] {
+    let why = format!("{solver} has more impacts here than it can follow in real time, so time runs slower.");
+    let piles = "contact";
+    let what = if solver != piles && solvers.contains(&piles) {
+        format!("S: take the solver {piles}, which is meant for piles.")
+    } else {
+        "S: take another solver.".to_owned()
+    };
+    [why, what]
+}
+
+#[cfg(test)]
+mod tests {
+    use tiny_skia::Pixmap;
+
+    use super::*;
+
+    #[test]
+    fn the_warning_names_the_solver_for_piles_where_there_is_one() {
+        let [why, what] = behind_text("exact", &["canvas", "exact"]);
+        assert!(why.starts_with("exact has more impacts here") && why.contains("time runs slower"));
+        assert_eq!(what, "S: take another solver.");
+        let [_, what] = behind_text("exact", &["canvas", "exact", "contact"]);
+        assert_eq!(what, "S: take the solver contact, which is meant for piles.");
+        let [why, what] = behind_text("contact", &["canvas", "exact", "contact"]);
+        assert!(why.starts_with("contact"));
+        assert_eq!(what, "S: take another solver.");
+    }
+
+    /// Where the warning's text reaches, px from the left, and how high its strip is, in a picture of this size.
+    fn reach(width: u32, height: u32, scale: f64) -> (usize, usize) {
+        let mut pixmap = Pixmap::new(width, height).unwrap();
+        behind(&mut pixmap.as_mut(), Solver::Exact, scale);
+        let row = |y: usize| &pixmap.pixels()[y * width as usize..(y + 1) * width as usize];
+        let strip = (0..height as usize).filter(|&y| row(y)[0].alpha() > 0).count();
+        let light = |pixel: &tiny_skia::PremultipliedColorU8| pixel.blue() > 0x60;
+        let right = (0..height as usize).filter_map(|y| row(y).iter().rposition(light)).max();
+        (right.unwrap(), strip)
+    }
+
+    #[test]
+    fn the_warning_is_as_large_as_the_scale_says_and_fits_narrow_windows() {
+        let (right, strip) = reach(1280, 720, 1.0);
+        assert!(right < 1280 && (50..90).contains(&strip), "two lines: {right} px, {strip} px high");
+        let (right_twice, strip_twice) = reach(2560, 1440, 2.0);
+        assert!(right_twice.abs_diff(2 * right) <= 4 && strip_twice.abs_diff(2 * strip) <= 4);
+        for (width, height) in [(500, 400), (240, 600), (100, 400), (400, 60)] {
+            let (right, strip) = reach(width, height, 1.0);
+            assert!(right < width as usize, "{width}x{height}: {right}");
+            assert!(strip <= height as usize / 2 + 2, "{width}x{height}: {strip}");
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! What is said over the picture: messages, how far back in time one is, that a recording runs, and where gravity pulls.
+
+use glam::DVec2;
+use tiny_skia::PixmapMut;
+
+use crate::paint::strokes::Pen;
+use crate::paint::text::{BASELINE, LINE, text, width, wrap};
+use crate::paint::{BALL, Colour, fill_disc};
+
+use super::super::messages::{Message, Tone};
+use super::TEXT_SIZE;
+use super::hand::arrow;
+use super::sheet::{AMBER, INK, Rounded, extent, faded};
+
+/// From the picture's edge to a note, px.
+const MARGIN: f64 = 16.0;
+/// Around a note's text, in text sizes.
+const PADDING: DVec2 = DVec2::new(0.9, 0.35);
+/// The most characters of a line.
+const LINE_MOST: usize = 76;
+/// Of what is being recorded.
+const RED: Colour = Colour(0xf0, 0x3c, 0x3c);
+/// The circle in which gravity's arrow stands: its radius, px.
+const DIAL: f64 = 36.0;
+/// The gravity at which the arrow begins to grow, px/s², and by how much of the dial it does with each tenfold.
+const GRAVITY_LEAST: f64 = 10.0;
+const GRAVITY_STEP: f64 = 0.3;
+
+/// Where on the picture a note stands.
+enum Place {
+    Below,
+    BelowRight,
+    Above { top: f64 },
+}
+
+/// Lines on a sheet.
+struct Note<'a> {
+    lines: &'a [String],
+    opacity: f64,
+    edge: Option<Colour>,
+    /// A dot before the text.
+    dot: Option<Colour>,
+}
+
+impl Note<'_> {
+    fn paint(&self, pixmap: &mut PixmapMut<'_>, place: &Place, scale: f64) {
+        let picture = extent(pixmap);
+        let longest = self.lines.iter().map(|line| width(line, 1.0)).fold(0.0, f64::max);
+        let indent = if self.dot.is_some() { 1.2 } else { 0.0 };
+        // In units of the text's size, which shrinks where the picture is too small for it.
+        let needed = DVec2::new(longest + indent, self.lines.len() as f64 * LINE) + 2.0 * PADDING;
+        let room = (picture - 2.0 * MARGIN * scale).max(DVec2::ONE) * DVec2::new(1.0, 0.5);
+        let size = (TEXT_SIZE * scale).min((room / needed).min_element());
+        let extent = needed * size;
+        let margin = MARGIN * scale;
+        let corner = match place {
+            Place::Below => DVec2::new((picture.x - extent.x) / 2.0, picture.y - margin - extent.y),
+            Place::Above { top } => DVec2::new((picture.x - extent.x) / 2.0, top + margin),
+            Place::BelowRight => picture - margin - extent,
+        }
+        .round();
+        let sheet = Rounded { corner, extent, radius: 0.6 * size };
+        sheet.sheet(pixmap, self.opacity);
+        if let Some(colour) = self.edge {
+            sheet.edge(pixmap, 1.5 * scale, faded(colour, self.opacity));
+        }
+        let start = corner + PADDING * size;
+        if let Some(colour) = self.dot {
+            fill_disc(pixmap, start + DVec2::new(0.4, LINE / 2.0) * size, 0.35 * size, colour);
+        }
+        for (index, line) in self.lines.iter().enumerate() {
+            let at = start + DVec2::new(indent, index as f64 * LINE + BASELINE) * size;
+            text(pixmap, at, size, faded(INK, self.opacity), line);
+        }
+    }
+}
+
+/// Paints a message at the lower edge.
+pub(super) fn message(pixmap: &mut PixmapMut<'_>, message: &Message, scale: f64) {
+    let room = (extent(pixmap).x - 2.0 * MARGIN * scale) / width("m", TEXT_SIZE * scale);
+    let most = (room - 2.0 * PADDING.x).clamp(12.0, LINE_MOST as f64) as usize;
+    let paragraphs: Vec<&str> = message.text.lines().collect();
+    let edge = (message.tone == Tone::Wrong).then_some(AMBER);
+    let lines = wrap(&paragraphs, most);
+    Note { lines: &lines, opacity: message.opacity, edge, dot: None }.paint(pixmap, &Place::Below, scale);
+}
+
+/// Paints, at the upper edge, how far back in time one is.
+pub(super) fn past(pixmap: &mut PixmapMut<'_>, text: &str, top: f64, scale: f64) {
+    let note = Note { lines: &[text.to_owned()], opacity: 1.0, edge: Some(BALL), dot: None };
+    note.paint(pixmap, &Place::Above { top }, scale);
+}
+
+/// Paints, in the lower right corner, that a recording has run for so many seconds.
+pub(super) fn recording(pixmap: &mut PixmapMut<'_>, seconds: u64, scale: f64) {
+    let time = format!("{}:{:02}", seconds / 60, seconds % 60);
+    let note = Note { lines: &[time], opacity: 1.0, edge: None, dot: Some(RED) };
+    note.paint(pixmap, &Place::BelowRight, scale);
+}
+
+/// Paints, in the lower left corner, an arrow that points where gravity, px/s², pulls; it grows with its logarithm.
+pub(super) fn gravity(pixmap: &mut PixmapMut<'_>, gravity: DVec2, scale: f64) {
+    let radius = DIAL * scale;
+    let margin = MARGIN * scale + radius;
+    let centre = DVec2::new(margin, extent(pixmap).y - margin);
+    let corner = centre - radius;
+    Rounded { corner, extent: DVec2::splat(2.0 * radius), radius }.sheet(pixmap, 1.0);
+    let strength = gravity.length();
+    let Some(direction) = gravity.try_normalize() else {
+        return fill_disc(pixmap, centre, 3.0 * scale, INK);
+    };
+    let length = (0.2 + GRAVITY_STEP * (strength / GRAVITY_LEAST).log10()).clamp(0.2, 0.85);
+    let pen = Pen { colour: INK, opacity: 1.0, width: 2.5 * scale };
+    let half = direction * length * radius;
+    arrow(pixmap, pen, centre - half, centre + half, 9.0 * scale);
+}

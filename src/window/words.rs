@@ -1,0 +1,91 @@
+//! What the window says: its title, and what each command did.
+
+use glam::DVec2;
+
+use crate::session::{Change, Command, Session};
+
+/// Scene, solver, balls, and how time runs.
+pub(super) fn title(session: &Session, frames_per_second: Option<f64>) -> String {
+    let (simulation, scale) = (session.simulation(), session.time_scale());
+    let count = simulation.balls().len();
+    let mut title = format!("carom – {} · {} · {}", session.name(), simulation.solver(), balls(count));
+    if scale != 1.0 {
+        title += &format!(" · {}", speed(scale));
+    }
+    match frames_per_second {
+        _ if session.is_paused() => title += " · paused",
+        Some(rate) => title += &format!(" · {rate:.0} fps"),
+        None => {}
+    }
+    title
+}
+
+/// What a command that succeeded did, where that is not plain to see.
+pub(super) fn done(command: Command, session: &Session) -> Option<String> {
+    let simulation = session.simulation();
+    Some(match command {
+        Command::TogglePause if session.is_paused() => "paused".to_owned(),
+        Command::TogglePause => "time runs".to_owned(),
+        Command::Slower | Command::Faster => speed(session.time_scale()),
+        Command::NextSolver => format!("solver {}", simulation.solver()),
+        Command::Scene(_) | Command::NextScene | Command::PreviousScene => scene(session),
+        Command::Reseed => "other random balls".to_owned(),
+        Command::ToggleComparison if session.truth().is_some() => {
+            "compared with the exact solver from now on".to_owned()
+        }
+        Command::ToggleComparison => "no longer compared".to_owned(),
+        Command::Change(Change::Reset) => "reset".to_owned(),
+        Command::Change(Change::AddRandom(count)) if count > 1 => {
+            format!("{count} balls more: {}", simulation.balls().len())
+        }
+        Command::Change(Change::ToggleGravity | Change::TiltGravity(_)) => {
+            gravity(simulation.world().gravity())
+        }
+        Command::Step | Command::StepToImpact | Command::Back | Command::Change(_) => return None,
+    })
+}
+
+/// A scene's name, and what it shows.
+pub(super) fn scene(session: &Session) -> String {
+    let about = session.scene().about();
+    if about.is_empty() { session.name().to_owned() } else { format!("{}: {about}", session.name()) }
+}
+
+/// How far back in time the present is, and what to do about it.
+pub(super) fn past(seconds: f64, paused: bool, rewinding: bool) -> String {
+    let how = match (paused, rewinding) {
+        (_, true) => "← rewinding",
+        (true, false) => "Space: play on",
+        (false, false) => "playing again",
+    };
+    format!("{seconds:.1} s ago · {how}")
+}
+
+fn balls(count: usize) -> String {
+    if count == 1 { "1 ball".to_owned() } else { format!("{count} balls") }
+}
+
+fn speed(scale: f64) -> String {
+    let factor = if scale < 1.0 { format!("1/{}", 1.0 / scale) } else { scale.to_string() };
+    format!("speed {factor}")
+}
+
+/// Gravity as it is now, in whole px/s².
+fn gravity(gravity: Option<DVec2>) -> String {
+    let Some(gravity) = gravity else { return "gravity off".to_owned() };
+    // Adding 0 makes a 0 of -0.
+    let DVec2 { x, y } = gravity.round() + DVec2::ZERO;
+    format!("gravity ({x}, {y}) px/s²")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_notice_gives_gravity_in_whole_numbers_without_a_minus_before_0() {
+        assert_eq!(gravity(None), "gravity off");
+        assert_eq!(gravity(Some(DVec2::new(98.0, 980.0))), "gravity (98, 980) px/s²");
+        assert_eq!(gravity(Some(DVec2::new(-0.3, -97.6))), "gravity (0, -98) px/s²");
+    }
+}

@@ -1,0 +1,61 @@
+//! Replays on the command line: what was done in a session, done again without a window.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use carom::{Change, Scene, Session};
+
+fn run(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_carom")).arg("run").args(args).output().unwrap()
+}
+
+fn refused(args: &[&str], message: &str) {
+    let output = run(args);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains(message), "{said}");
+}
+
+fn save(session: &Session, folder: &Path) -> String {
+    let path = folder.join("a.replay");
+    std::fs::write(&path, session.replay().unwrap()).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_replay_runs_to_the_bits_of_the_session_that_it_was_saved_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut session = Session::new(&Scene::load("gravity").unwrap(), 3).unwrap();
+    for frame in 0..90 {
+        match frame {
+            20 => session.apply(Change::AddRandom(4).into()).unwrap(),
+            40 => session.apply(carom::Command::NextSolver).unwrap(),
+            60 => session.apply(Change::RemoveLast.into()).unwrap(),
+            _ => {}
+        }
+        session.advance(0.013).unwrap();
+    }
+    let path = save(&session, folder.path());
+    let output = run(&["gravity", "--commands", &path, "--trace", "-", "--every", "90"]);
+    let trace = String::from_utf8(output.stdout).unwrap();
+    let last = trace.lines().filter_map(|line| line.strip_prefix("90,"));
+    let last: Vec<&str> = last.map(|line| line.rsplit_once(',').unwrap().0).collect();
+    let time = session.simulation().time();
+    let expected = session.simulation().balls().iter().enumerate().map(|(index, ball)| {
+        let (p, v) = (ball.position(), ball.velocity());
+        format!("{time},{index},{},{},{},{}", p.x, p.y, v.x, v.y)
+    });
+    assert_eq!(last, expected.collect::<Vec<_>>());
+}
+
+#[test]
+fn a_replay_that_is_none_or_of_another_scene_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = Session::new(&Scene::load("elastic").unwrap(), 3).unwrap();
+    let path = save(&session, folder.path());
+    refused(&["gravity", "--commands", &path], "carom run elastic --commands");
+    refused(&["gravity", "--commands", "nowhere.replay"], "a replay that the window saved");
+    refused(&["elastic", "--commands", &path, "--seconds", "3"], "cannot be used with");
+    std::fs::write(&path, b"carom replay 1\nframe \xff\n").unwrap();
+    refused(&["elastic", "--commands", &path], "UTF-8");
+}

@@ -1,0 +1,227 @@
+//! A virtual X server, carom's window on it, keys and mouse for it, and screenshots of it.
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use tiny_skia::Pixmap;
+
+/// How long a condition is waited for: software graphics on a busy machine are slow.
+pub const PATIENCE: Duration = Duration::from_secs(20);
+/// The virtual screen: wider and higher than the window, whose corner is at its corner.
+pub const SCREEN: (usize, usize) = (1400, 800);
+pub const BACKGROUND: [u8; 3] = [0x1a, 0x1a, 0x1a];
+pub const BALL: [u8; 3] = [0, 255, 212];
+pub const CONTACT: [u8; 3] = [0xff, 0x66, 0xff];
+/// What Xvfb shows where there is no window.
+pub const NOTHING: [u8; 3] = [0, 0, 0];
+
+/// An X server of our own, and the right to be the only one with two cores' worth of software graphics.
+pub struct Display {
+    server: Child,
+    name: String,
+    _alone: MutexGuard<'static, ()>,
+}
+
+static ALONE: Mutex<()> = Mutex::new(());
+
+impl Display {
+    pub fn start() -> Self {
+        // A test that failed has poisoned the lock; the others go on.
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
+        // Without -noreset the server starts anew, and refuses connections meanwhile, whenever its last client leaves.
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp", "-noreset"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb is installed");
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        Self { server, name: format!(":{}", number.trim()), _alone: alone }
+    }
+
+    pub fn command(&self, program: &str) -> Command {
+        let mut command = Command::new(program);
+        command.env("DISPLAY", &self.name).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        command
+    }
+
+    /// What a program prints.
+    pub fn ask(&self, program: &str, args: &[&str]) -> Vec<u8> {
+        let output = self.command(program).args(args).output();
+        output.unwrap_or_else(|error| panic!("{program} is installed: {error}")).stdout
+    }
+
+    /// A window that says nothing over the picture, so that only what is played is seen.
+    pub fn open(&self, args: &[&str]) -> Window<'_> {
+        self.open_scaled(args, "1")
+    }
+
+    pub fn open_scaled(&self, args: &[&str], scale: &str) -> Window<'_> {
+        self.open_talking(&[args, &["--quiet"]].concat(), scale)
+    }
+
+    /// A window as users open it.
+    pub fn open_talking(&self, args: &[&str], scale: &str) -> Window<'_> {
+        let folder = tempfile::tempdir().unwrap();
+        let child = self
+            .command(env!("CARGO_BIN_EXE_carom"))
+            .args(args)
+            .env("WINIT_X11_SCALE_FACTOR", scale)
+            .current_dir(folder.path())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut window = Window { display: self, child, id: String::new(), folder };
+        window.wait("a window", |window| {
+            let found = String::from_utf8(self.ask("xdotool", &["search", "--name", "^carom"])).unwrap();
+            found.lines().next().unwrap_or_default().clone_into(&mut window.id);
+            !window.id.is_empty()
+        });
+        window.wait("a first picture", |window| window.screenshot().at(1, 1) != NOTHING);
+        self.ask("xdotool", &["windowfocus", "--sync", &window.id]);
+        window
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// carom, running.
+pub struct Window<'a> {
+    display: &'a Display,
+    child: Child,
+    pub id: String,
+    pub folder: tempfile::TempDir,
+}
+
+impl Window<'_> {
+    pub fn wait(&mut self, what: &str, mut done: impl FnMut(&mut Self) -> bool) {
+        let start = Instant::now();
+        while !done(self) {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                panic!("carom ended with {status} while the test waited for {what}: {}", self.said());
+            }
+            assert!(start.elapsed() < PATIENCE, "waited in vain for {what}; the title is {}", self.title());
+            sleep(Duration::from_millis(30));
+        }
+    }
+
+    pub fn said(&mut self) -> String {
+        let mut said = String::new();
+        if let Some(stderr) = &mut self.child.stderr {
+            let _ = stderr.read_to_string(&mut said);
+        }
+        said
+    }
+
+    pub fn key(&self, key: &str) {
+        self.display.ask("xdotool", &["key", key]);
+    }
+
+    pub fn mouse(&self, args: &[&str]) {
+        self.display.ask("xdotool", args);
+    }
+
+    pub fn title(&self) -> String {
+        String::from_utf8(self.display.ask("xdotool", &["getwindowname", &self.id]))
+            .unwrap()
+            .trim()
+            .to_owned()
+    }
+
+    pub fn wait_title(&mut self, part: &str) {
+        self.wait(&format!("{part:?} in the title"), |window| window.title().contains(part));
+    }
+
+    pub fn screenshot(&self) -> Screenshot {
+        Screenshot(self.display.ask("import", &["-silent", "-window", "root", "-depth", "8", "rgb:-"]))
+    }
+
+    /// Whether the picture changes within a second.
+    pub fn moves(&self) -> bool {
+        let before = self.screenshot();
+        (0..10).any(|_| {
+            sleep(Duration::from_millis(100));
+            self.screenshot().0 != before.0
+        })
+    }
+
+    pub fn resize(&self, width: &str, height: &str) {
+        self.display.ask("xdotool", &["windowsize", "--sync", &self.id, width, height]);
+    }
+
+    /// Waits for the end, and returns how it came.
+    pub fn end(mut self) -> ExitStatus {
+        let start = Instant::now();
+        loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                return status;
+            }
+            assert!(start.elapsed() < PATIENCE, "carom does not end");
+            sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Waits for the end, and keeps the folder that it ran in.
+    pub fn keep_folder(mut self) -> tempfile::TempDir {
+        let folder = std::mem::replace(&mut self.folder, tempfile::tempdir().unwrap());
+        assert!(self.end().success());
+        folder
+    }
+
+    /// Processor time used so far, s.
+    pub fn processor_time(&self) -> f64 {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap();
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+        // Fields 14 and 15 of proc(5), in ticks of 1/100 s.
+        (fields[11].parse::<f64>().unwrap() + fields[12].parse::<f64>().unwrap()) / 100.0
+    }
+}
+
+impl Drop for Window<'_> {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The screen, three bytes a pixel.
+pub struct Screenshot(pub Vec<u8>);
+
+impl Screenshot {
+    pub fn at(&self, x: usize, y: usize) -> [u8; 3] {
+        let offset = 3 * (y * SCREEN.0 + x);
+        self.0.get(offset..offset + 3).map_or(NOTHING, |pixel| pixel.try_into().unwrap())
+    }
+
+    /// How many pixels of the screen have a ball's colour.
+    pub fn ball_pixels(&self) -> usize {
+        self.0.chunks_exact(3).filter(|&pixel| pixel == BALL || pixel == CONTACT).count()
+    }
+
+    /// The first pixel in which the screen differs from a picture in its corner.
+    pub fn difference(&self, picture: &Pixmap) -> Option<(usize, usize, [u8; 3])> {
+        let width = picture.width() as usize;
+        picture.pixels().iter().enumerate().find_map(|(index, pixel)| {
+            let (x, y) = (index % width, index / width);
+            let expected = [pixel.red(), pixel.green(), pixel.blue()];
+            (self.at(x, y) != expected).then_some((x, y, expected))
+        })
+    }
+}
+
+/// What `carom run` paints for the same arguments.
+pub fn picture(args: &[&str]) -> Pixmap {
+    let args = [&["run"], args, &["--seconds", "0", "--image", "-"]].concat();
+    let output = Command::new(env!("CARGO_BIN_EXE_carom")).args(args).output().unwrap();
+    Pixmap::decode_png(&output.stdout).unwrap()
+}

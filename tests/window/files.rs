@@ -1,0 +1,157 @@
+//! What was done in a window, saved as a scene and as a replay, and read back: states, not only pictures.
+
+use std::process::Command;
+use std::thread::sleep;
+use std::time::Duration;
+
+use carom::{Ball, DVec2, Scene};
+
+use super::display::*;
+
+/// The balls of the scene that Ctrl+S saves now, under this number.
+pub fn saved_balls(window: &mut Window<'_>, scene: &str, number: u32) -> Vec<Ball> {
+    let name = format!("carom-{scene}-{number}.toml");
+    window.key("ctrl+s");
+    window.wait_title(&format!("saved {name}"));
+    let path = window.folder.path().join(name);
+    let scene = Scene::load(path.to_str().unwrap()).unwrap();
+    scene.build().unwrap().balls().to_vec()
+}
+
+/// The balls at the end of the replay that Ctrl+Shift+S saves now, as `carom run --commands` has them; and its summary.
+pub fn replayed(
+    window: &mut Window<'_>,
+    scene: &str,
+    number: u32,
+) -> (Vec<(DVec2, DVec2)>, serde_json::Value) {
+    let name = format!("carom-{scene}-{number}.replay");
+    window.key("ctrl+shift+s");
+    window.wait_title(&format!("saved {name}"));
+    let run = ["run", scene, "--commands", &name, "--trace", "t.csv", "--summary", "-"];
+    let folder = window.folder.path();
+    let output = Command::new(env!("CARGO_BIN_EXE_carom")).args(run).current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let trace = std::fs::read_to_string(folder.join("t.csv")).unwrap();
+    let last = format!("{},", summary["frames"]);
+    let balls = trace.lines().filter(|line| line.starts_with(&last)).map(|line| {
+        let numbers: Vec<f64> = line.split(',').skip(3).take(4).map(|word| word.parse().unwrap()).collect();
+        (DVec2::new(numbers[0], numbers[1]), DVec2::new(numbers[2], numbers[3]))
+    });
+    (balls.collect(), summary)
+}
+
+fn states(balls: &[Ball]) -> Vec<(DVec2, DVec2)> {
+    balls.iter().map(|ball| (ball.position(), ball.velocity())).collect()
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_replay_of_keys_and_mouse_ends_in_the_state_that_was_shown_to_the_bit() {
+    let display = Display::start();
+    let mut window = display.open(&["gravity"]);
+    for keys in ["a", "ctrl+Right", "s", "shift+a", "x", "bracketleft", "g", "BackSpace", "s"] {
+        window.key(keys);
+    }
+    window.mouse(&["mousemove", "900", "200", "mousedown", "1", "mousemove", "1000", "150", "mouseup", "1"]);
+    window.mouse(&["mousemove", "910", "210", "click", "3"]);
+    window.resize("1000", "600");
+    window.wait("the smaller window", |window| window.screenshot().at(1100, 300) == NOTHING);
+    window.key("space");
+    window.wait_title("paused");
+    window.key("period");
+    // Only what a frame has shown is in a trace: the step's.
+    window.wait("the step", |window| !window.moves());
+    let shown = saved_balls(&mut window, "gravity", 1);
+    let (balls, _) = replayed(&mut window, "gravity", 1);
+    assert!(balls.len() > 100, "{}", balls.len());
+    assert_eq!(balls, states(&shown));
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_saved_scene_opens_as_it_was_seen() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic"]);
+    window.key("space");
+    window.wait_title("paused");
+    let balls = saved_balls(&mut window, "elastic", 1);
+    let seen = window.screenshot();
+    window.key("Escape");
+    let folder = window.keep_folder();
+    let path = folder.path().join("carom-elastic-1.toml");
+    let again = display.open(&[path.to_str().unwrap(), "--paused"]);
+    // But for balls that touched in the last frame, which no scene file tells.
+    let colourless = |shown: &Screenshot| shown.ball_pixels();
+    assert_eq!(colourless(&again.screenshot()), colourless(&seen));
+    assert_eq!(balls.len(), 15);
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_recording_is_a_gif_of_what_moved_and_overwrites_nothing() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic"]);
+    std::fs::write(window.folder.path().join("carom-elastic-1.gif"), "mine").unwrap();
+    window.key("v");
+    sleep(Duration::from_secs(1));
+    window.key("v");
+    window.wait_title("saved carom-elastic-2.gif");
+    assert_eq!(std::fs::read(window.folder.path().join("carom-elastic-1.gif")).unwrap(), b"mine");
+    let file = std::fs::File::open(window.folder.path().join("carom-elastic-2.gif")).unwrap();
+    let mut decoder = gif::DecodeOptions::new().read_info(file).unwrap();
+    assert_eq!((decoder.width(), decoder.height()), (1280, 720));
+    let mut frames = 0;
+    while decoder.read_next_frame().unwrap().is_some() {
+        frames += 1;
+    }
+    assert!(frames >= 5, "{frames} frames");
+    // One that is under way when the window is closed is finished.
+    window.key("v");
+    sleep(Duration::from_millis(300));
+    window.key("Escape");
+    let folder = window.keep_folder();
+    let kept = folder.path().join("carom-elastic-3.gif");
+    assert!(std::fs::read(kept).unwrap().ends_with(b";"), "a GIF ends so");
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_folder_that_cannot_be_written_to_is_told_on_screen_and_the_window_goes_on() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic", "--paused"]);
+    // Gone, it takes no file, whoever asks.
+    std::fs::remove_dir(window.folder.path()).unwrap();
+    for (key, said) in [
+        ("ctrl+s", "no scene saved: carom-elastic-1.toml"),
+        ("F12", "no picture saved: carom-elastic-1.png"),
+        ("v", "no recording: carom-elastic-1.gif"),
+        ("ctrl+shift+s", "no replay saved: carom-elastic-1.replay"),
+    ] {
+        window.key(key);
+        window.wait_title(said);
+    }
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_watched_file_is_loaded_again_when_it_is_saved_and_kept_where_it_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    let scene = |balls: usize| {
+        let ball = |index: usize| format!("[[ball]]\nposition = [{}, 200]\nradius = 10\n", 50 + 40 * index);
+        format!("solver = \"exact\"\n{}", (0..balls).map(ball).collect::<String>())
+    };
+    std::fs::write(&path, scene(2)).unwrap();
+    let display = Display::start();
+    let mut window = display.open(&[path.to_str().unwrap(), "--watch", "--paused"]);
+    window.wait_title("mine · exact · 2 balls");
+    std::fs::write(&path, scene(5)).unwrap();
+    window.wait_title("mine loaded again");
+    window.wait_title("mine · exact · 5 balls");
+    std::fs::write(&path, "gravity = \"down\"").unwrap();
+    window.wait_title("mine.toml:1");
+    window.wait_title("mine · exact · 5 balls");
+    std::fs::write(&path, scene(3)).unwrap();
+    window.wait_title("mine · exact · 3 balls");
+}

@@ -1,0 +1,69 @@
+//! Files that the window saves, how it ends, and what it says where there can be none.
+
+use std::process::Command;
+
+use tiny_skia::Pixmap;
+
+use super::display::*;
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn pictures_are_saved_and_overwrite_nothing() {
+    let display = Display::start();
+    let mut window = display.open(&["gravity", "--paused"]);
+    window.key("F12");
+    window.wait_title("saved carom-gravity-1.png");
+    window.key("F12");
+    window.wait_title("saved carom-gravity-2.png");
+    let saved = Pixmap::load_png(window.folder.path().join("carom-gravity-1.png")).unwrap();
+    assert_eq!(saved.data(), picture(&["gravity"]).data());
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn escape_ends_with_0() {
+    let display = Display::start();
+    let window = display.open(&[]);
+    window.key("Escape");
+    assert!(window.end().success());
+}
+
+/// What carom says without a display and with a display that does not answer.
+#[test]
+fn without_a_display_the_message_says_what_to_do_instead() {
+    for display in [None, Some(":4321")] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_carom"));
+        command
+            .arg("elastic")
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET");
+        if let Some(display) = display {
+            command.env("DISPLAY", display);
+        }
+        let output = command.output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        // Where the keyboard's library is missing, that is said first.
+        assert!(
+            said.contains("no display to open a window on") || said.contains("apt install libxkbcommon"),
+            "{said}"
+        );
+        assert!(said.contains("carom run elastic --gif elastic.gif"), "{said}");
+        assert!(!said.contains(".rs:"), "no place in somebody's source: {said}");
+    }
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn without_a_graphics_adapter_the_message_says_what_to_install() {
+    let display = Display::start();
+    let mut command = display.command(env!("CARGO_BIN_EXE_carom"));
+    // No Vulkan driver, and no other backend.
+    let command = command.env("VK_DRIVER_FILES", "/dev/null").env("VK_ICD_FILENAMES", "/dev/null");
+    let output = command.env("WGPU_BACKEND", "vulkan").output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("no graphics adapter") && said.contains("mesa-vulkan-drivers"), "{said}");
+    assert!(said.contains("carom run gravity --gif gravity.gif"), "{said}");
+}

@@ -1,0 +1,140 @@
+//! What can be laid over the balls, and what is said there.
+
+use std::ops::Range;
+use std::thread::sleep;
+use std::time::Duration;
+
+use super::display::*;
+
+/// The ink of text and lines over the picture.
+const INK: [u8; 3] = [0xe6; 3];
+
+/// What compares.
+const TRUE: [u8; 3] = [0xff, 0xd0, 0x6a];
+
+/// How many pixels there are, about of a colour, in a part of the screen.
+fn count(shown: &Screenshot, colour: [u8; 3], columns: Range<usize>, rows: Range<usize>) -> usize {
+    let near = |pixel: [u8; 3]| pixel.iter().zip(colour).all(|(&one, other)| one.abs_diff(other) < 40);
+    rows.map(|y| columns.clone().filter(|&x| near(shown.at(x, y))).count()).sum()
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn figures_come_and_go_and_stand_still_while_paused() {
+    let display = Display::start();
+    let mut window = display.open(&["gravity"]);
+    let figures = |shown: &Screenshot| count(shown, INK, 0..250, 0..480) > 300;
+    assert!(!figures(&window.screenshot()));
+    window.key("d");
+    window.wait("figures", |window| figures(&window.screenshot()));
+    window.key("space");
+    window.wait_title("paused");
+    sleep(Duration::from_millis(300));
+    assert!(!window.moves());
+    window.key("d");
+    window.wait("none", |window| !figures(&window.screenshot()));
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn canvas_leaves_the_exact_solver_and_one_sees_it() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic", "--solver", "canvas", "--paused"]);
+    let lines = |window: &Window<'_>| count(&window.screenshot(), TRUE, 970..1270, 0..210);
+    window.key("x");
+    window.wait("the plot's value", |window| lines(window) > 5);
+    let before = lines(&window);
+    window.key("space");
+    window.wait("an error that grows", |window| lines(window) > before + 100);
+    window.key("x");
+    window.wait("no plot", |window| lines(window) == 0);
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn trails_show_where_balls_went_and_cost_nothing_while_paused() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic"]);
+    let faint = |window: &Window<'_>| {
+        let shown = window.screenshot();
+        let between = |[red, green, _]: [u8; 3]| red < BACKGROUND[0] && (60..200).contains(&green);
+        (0..SCREEN.1)
+            .flat_map(|y| (0..SCREEN.0).map(move |x| (x, y)))
+            .filter(|&(x, y)| between(shown.at(x, y)))
+            .count()
+    };
+    let without = faint(&window);
+    window.key("t");
+    window.wait("a trail", |window| faint(window) > without + 200);
+    window.key("space");
+    window.wait_title("paused");
+    sleep(Duration::from_millis(300));
+    let before = window.processor_time();
+    sleep(Duration::from_secs(2));
+    let used = window.processor_time() - before;
+    assert!(used <= 0.04, "{used} s of processor time in 2 s");
+    let with = faint(&window);
+    window.key("t");
+    window.wait("no trail", |window| faint(window) + 150 < with);
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_hint_stands_at_the_start_and_fades_and_messages_come_and_go() {
+    let display = Display::start();
+    let mut window = display.open_talking(&["draw", "--paused"], "1");
+    let said = |window: &Window<'_>| count(&window.screenshot(), INK, 400..880, 660..720) > 20;
+    window.wait("the hint", |window| said(window));
+    window.wait("no hint", |window| !said(window));
+    window.key("bracketleft");
+    window.wait("the message", |window| said(window));
+    window.wait("no message", |window| !said(window));
+    sleep(Duration::from_millis(700));
+    assert_eq!(window.screenshot().difference(&picture(&["draw"])), None, "nothing is left of them");
+    let before = window.processor_time();
+    sleep(Duration::from_secs(2));
+    let used = window.processor_time() - before;
+    assert!(used <= 0.04, "{used} s of processor time in 2 s");
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn with_everything_on_a_paused_window_leaves_the_processor_alone() {
+    let display = Display::start();
+    let mut window = display.open_talking(&["gravity", "--solver", "canvas"], "1");
+    for key in ["d", "x", "t"] {
+        window.key(key);
+    }
+    sleep(Duration::from_millis(500));
+    window.key("space");
+    window.wait_title("paused");
+    sleep(Duration::from_secs(4));
+    let before = window.processor_time();
+    sleep(Duration::from_secs(2));
+    let used = window.processor_time() - before;
+    assert!(used <= 0.04, "{used} s of processor time in 2 s");
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn all_scenes_are_shown_and_opened_by_key_and_mouse() {
+    let display = Display::start();
+    let mut window = display.open(&["draw"]);
+    window.wait_title("draw");
+    let closed = window.screenshot();
+    window.key("m");
+    window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
+    // From the first card to the second.
+    window.key("Right");
+    window.key("Return");
+    window.wait_title("move · canvas · 1 ball");
+    window.key("m");
+    window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
+    // The first card is the first stage.
+    window.mouse(&["mousemove", "120", "150", "click", "1"]);
+    window.wait_title("draw · canvas · 1 ball");
+    window.key("m");
+    window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
+    window.key("Escape");
+    window.wait("the scene again", |window| window.screenshot().0 == closed.0);
+}
