@@ -339,3 +339,30 @@ proptest! {
         prop_assert_eq!(replay.simulation().tally(), session.simulation().tally());
     }
 }
+
+#[test]
+fn one_goes_back_to_before_the_window_had_its_size_and_on_again() {
+    let mut session = session("gravity", Solver::Exact);
+    let small = DVec2::new(700.0, 500.0);
+    let mut seen = Vec::new();
+    for frame in 0..40 {
+        // As a window does, in each frame.
+        session.resize(if frame < 20 { DVec2::new(1280.0, 720.0) } else { small }).unwrap();
+        session.advance(STEP).unwrap();
+        seen.push(balls(&session));
+    }
+    session.apply(Command::TogglePause).unwrap();
+    for expected in seen.iter().rev().skip(1) {
+        session.apply(Command::Back).unwrap();
+        session.resize(small).unwrap();
+        session.advance(0.0).unwrap();
+        assert_eq!(&balls(&session), expected);
+    }
+    session.apply(Command::TogglePause).unwrap();
+    for _ in 0..45 {
+        session.resize(small).unwrap();
+        session.advance(STEP).unwrap();
+    }
+    assert!(!session.is_in_the_past());
+    assert_eq!(session.simulation().world().size(), small);
+}

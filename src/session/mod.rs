@@ -271,12 +271,18 @@ impl Session {
         true
     }
 
-    /// Makes the world `size` px large, as far as its balls allow. Costs nothing where it was asked for before.
+    /// Makes the world `size` px large, as far as its balls allow. Costs nothing where it was asked for before. In the past
+    /// the world stays as it was then: whoever owns a window says its size in each frame, and that puts nothing else in
+    /// the place of what was played.
     ///
     /// # Errors
     /// [`CommandError`] where no world may have this size.
     pub fn resize(&mut self, size: DVec2) -> Result<(), CommandError> {
-        if size == self.state.size() { Ok(()) } else { self.change(Change::Resize(size)) }
+        if size == self.state.size() || self.is_in_the_past() {
+            Ok(())
+        } else {
+            self.change(Change::Resize(size))
+        }
     }
 
     /// The radius of the ball that a click at `position` would add, px: `radius`, or what fits between walls and other

@@ -46,7 +46,11 @@ impl App {
             None => return,
             Some(Action::Do(command)) => self.apply(command),
             Some(Action::Rewind) if self.session.is_paused() => self.apply(Command::Back),
-            Some(Action::Rewind) => self.rewinding = true,
+            Some(Action::Rewind) => {
+                // Balls may not have been there.
+                self.hands.let_go();
+                self.rewinding = true;
+            }
             Some(Action::ToggleHelp) => self.help = !self.help,
             Some(Action::ToggleTrails) => {
                 self.trails = if self.trails.is_some() { None } else { Some(Trails::default()) };
