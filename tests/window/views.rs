@@ -133,6 +133,13 @@ fn all_scenes_are_shown_and_opened_by_key_and_mouse() {
     // The first card is the first stage.
     window.mouse(&["mousemove", "120", "150", "click", "1"]);
     window.wait_title("draw · canvas · 1 ball");
+    window.key("2");
+    window.wait_title("move");
+    window.key("m");
+    window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
+    // Without moving the pointer from where it was before the cards.
+    window.mouse(&["click", "1"]);
+    window.wait_title("draw · canvas · 1 ball");
     window.key("m");
     window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
     window.key("Escape");

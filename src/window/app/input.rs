@@ -198,9 +198,10 @@ impl App {
 
     pub(super) fn point_at(&mut self, position: PhysicalPosition<f64>) {
         let Some((window, _)) = &self.screen else { return };
+        // Also where the list of scenes is not open yet: a click there may come without a move.
+        self.browsed = DVec2::new(position.x, position.y);
         if let Some(browser) = &mut self.browser {
-            browser.point_at(DVec2::new(position.x, position.y));
-            self.browsed = DVec2::new(position.x, position.y);
+            browser.point_at(self.browsed);
             return self.request_redraw();
         }
         let position = position.to_logical(window.scale_factor());

@@ -74,7 +74,7 @@ pub(super) struct App {
     /// Whether time runs back for as long as a key is held.
     rewinding: bool,
     help: bool,
-    /// The list of scenes, while it is open, and where the pointer is on it, in pixels.
+    /// The list of scenes, while it is open, and where the pointer is, in pixels.
     browser: Option<Browser>,
     browsed: DVec2,
     /// Where balls went, while that is shown, and the simulated time that was painted last.
