@@ -44,7 +44,10 @@ pub(super) enum Dawn {
 pub(super) struct Calendar {
     /// The length of the year, s.
     span: f64,
+    /// The length of a day, s.
+    day: f64,
     days_per_second: f64,
+    /// The year's days, and one for all that is beyond it.
     days: Vec<Vec<Entry>>,
     /// How many days have been opened.
     opened: usize,
@@ -53,12 +56,14 @@ pub(super) struct Calendar {
     most: usize,
     /// The events of the open day, latest first.
     today: Vec<Entry>,
-    /// Those that were written into it after it was opened.
+    /// Those that were written into it after it was opened, and had too many before them.
     late: BinaryHeap<Reverse<Entry>>,
 }
 
 /// Events of a ball to be written down in a year, at most. A year of one impact a ball has three or four.
 const MOST_WRITTEN: usize = 6;
+/// So many events of the open day are looked through for the place of one that is written into it.
+const MOST_SOONER: usize = 64;
 /// Moments of a year, of which each may be its end: a power of two.
 pub(super) const MOMENTS: f64 = (1_u64 << 20) as f64;
 
@@ -73,8 +78,9 @@ impl Calendar {
     pub(super) fn new(balls: usize) -> Self {
         Self {
             span: 0.0,
+            day: 0.0,
             days_per_second: 0.0,
-            days: vec![Vec::new(); days(balls)],
+            days: vec![Vec::new(); days(balls) + 1],
             opened: 0,
             written: 0,
             most: MOST_WRITTEN * balls.max(FEWEST),
@@ -86,7 +92,8 @@ impl Calendar {
     /// Begins an empty year of `span` seconds, a power of two.
     pub(super) fn begin(&mut self, span: f64) {
         self.span = span;
-        self.days_per_second = self.days.len() as f64 / span;
+        self.day = span / (self.days.len() - 1) as f64;
+        self.days_per_second = 1.0 / self.day;
         self.days.iter_mut().for_each(Vec::clear);
         self.opened = 0;
         self.written = 0;
@@ -97,57 +104,81 @@ impl Calendar {
     /// Writes an event down, unless it lies beyond the year.
     #[inline]
     pub(super) fn write(&mut self, time: f64, ball: u32) {
-        if time < self.span {
-            // The year and its days are powers of two: the product is exact.
-            let day = (time * self.days_per_second) as usize;
-            let entry = Entry { time, ball };
-            self.written += 1;
-            if day < self.opened {
-                self.late.push(Reverse(entry));
-            } else {
-                let day = &mut self.days[day];
-                if day.len() == day.capacity() {
-                    // By a quarter, not to the double: days stay full, and all of them have the same number to hold.
-                    day.reserve_exact(day.len() / 4 + 4);
-                }
-                day.push(entry);
-            }
+        // The year and its days are powers of two: the product is exact. Whether an event is within the year is a toss, for
+        // which there is no branch: what is not goes to a day of its own, which never comes.
+        let beyond = self.days.len() - 1;
+        let day = ((time * self.days_per_second) as u32 as usize).min(beyond);
+        let entry = Entry { time, ball };
+        self.written += usize::from(day < beyond);
+        if day < self.opened {
+            return self.write_today(entry);
+        }
+        let entries = &mut self.days[day];
+        if entries.len() == entries.capacity() {
+            // By a quarter, not to the double: days stay full, and all of them have the same number to hold.
+            entries.reserve_exact(entries.len() / 4 + 4);
+        }
+        entries.push(entry);
+        self.days[beyond].clear();
+    }
+
+    /// Writes an event of the open day down: mostly it comes soon, so that few others are before it.
+    fn write_today(&mut self, entry: Entry) {
+        let sooner = self.today.iter().rev().take(MOST_SOONER).take_while(|other| **other < entry).count();
+        if sooner < MOST_SOONER {
+            self.today.insert(self.today.len() - sooner, entry);
+        } else {
+            self.late.push(Reverse(entry));
         }
     }
 
     /// Gives back an event that was taken and will be taken again.
     pub(super) fn put_back(&mut self, entry: Entry) {
-        self.late.push(Reverse(entry));
+        self.write_today(entry);
     }
 
     /// Takes the next event of the open day, where it is not later than `until`.
     #[inline]
     pub(super) fn next(&mut self, until: f64) -> Option<Entry> {
-        let early = self.today.last().copied();
-        if let Some(&Reverse(late)) = self.late.peek()
-            && early.is_none_or(|early| late < early)
-        {
-            return if late.time <= until { self.late.pop().map(|entry| entry.0) } else { None };
+        if !self.late.is_empty() {
+            return self.next_with_late(until);
         }
-        let next = early.filter(|entry| entry.time <= until);
-        if next.is_some() {
-            self.today.pop();
+        self.today.pop_if(|entry| entry.time <= until)
+    }
+
+    #[cold]
+    fn next_with_late(&mut self, until: f64) -> Option<Entry> {
+        let late = self.late.peek().map(|late| late.0);
+        if self.today.last().copied().is_none_or(|early| late.is_some_and(|late| late < early)) {
+            return late.filter(|late| late.time <= until).and_then(|_| self.late.pop()).map(|late| late.0);
         }
-        next
+        self.today.pop_if(|entry| entry.time <= until)
     }
 
     /// Opens the next day, with those of its entries that `holds` says yes to.
     ///
     /// The open day must have come to its end.
-    pub(super) fn open(&mut self, holds: impl FnMut(&Entry) -> bool) -> Dawn {
-        if self.opened == self.days.len() {
+    pub(super) fn open(&mut self, mut holds: impl FnMut(&Entry) -> bool) -> Dawn {
+        if self.opened == self.days.len() - 1 {
             return Dawn::YearOver;
         }
         std::mem::swap(&mut self.today, &mut self.days[self.opened]);
         self.opened += 1;
-        self.today.retain(holds);
+        // As `retain` does, but without a branch for each, which would be a toss.
+        let mut kept = 0;
+        for index in 0..self.today.len() {
+            let entry = self.today[index];
+            self.today[kept] = entry;
+            kept += usize::from(holds(&entry));
+        }
+        self.today.truncate(kept);
         self.today.sort_unstable_by(|a, b| b.cmp(a));
         Dawn::Day
+    }
+
+    /// The events of the open day that were known when it was opened, latest first.
+    pub(super) fn today(&self) -> &[Entry] {
+        &self.today
     }
 
     /// Whether so much has been written that what no longer holds takes too much room: the year should end early.
@@ -164,7 +195,7 @@ impl Calendar {
 
     /// When the open day ends and the next begins, s since the year began.
     pub(super) fn day_ends(&self) -> f64 {
-        self.opened as f64 / self.days_per_second
+        self.opened as f64 * self.day
     }
 }
 

@@ -15,7 +15,7 @@ use super::Needs;
 /// The most balls for which one cell, all pairs and no crossings, is enough.
 const FEW: usize = 16;
 /// The end of a cell's list.
-const END: u32 = u32::MAX;
+pub(super) const END: u32 = u32::MAX;
 /// The finest cells are at most so many to a ball: an empty world needs no more.
 const CELLS_PER_BALL: f64 = 3.0;
 /// The most columns, and rows.
@@ -150,13 +150,13 @@ impl Cells {
         self.heads[cell] = ball as u32;
     }
 
-    /// The coordinate of a border of a ball's cell; `None` at the world's edge.
+    /// The coordinate of a border of a ball's cell, and whether it is the world's edge.
     #[inline]
-    pub(super) fn line<N: Needs>(&self, ball: usize, place: Place, border: Border) -> Option<f64> {
+    pub(super) fn line<N: Needs>(&self, ball: usize, place: Place, border: Border) -> (f64, bool) {
         let Level { shift, columns, rows, .. } = self.levels[if N::ALIKE { 0 } else { self.level(ball) }];
         let (at, count) = if border.axis == 0 { (place.column, columns) } else { (place.row, rows) };
         let number = usize::from(at) + usize::from(border.up);
-        (number != 0 && number != count).then(|| (number << shift) as f64 * self.width[border.axis])
+        ((number << shift) as f64 * self.width[border.axis], number == 0 || number == count)
     }
 
     /// Moves a ball over a border of its cell; the cell that it is in then.
@@ -177,52 +177,78 @@ impl Cells {
         place
     }
 
-    /// Hands over all balls, the ball itself among them, that are in a ball's cell or around it. Where it came there
-    /// over a border, `crossed`, only those that were not around the cell before.
+    /// Hands over all balls that are in a ball's cell or around it, but for the ball itself and, if there is one,
+    /// `except`. Where it came there over a border, `crossed`, only those that were not around the cell before.
     #[inline]
     pub(super) fn for_each_near<N: Needs>(
         &self,
         ball: usize,
+        except: Option<usize>,
         place: Place,
         crossed: Option<Border>,
         mut visit: impl FnMut(usize),
     ) {
         let own = if N::ALIKE { 0 } else { self.level(ball) };
-        self.visit_around(&self.levels[own], place, crossed, &mut visit);
+        let without = Without::new(ball, except.unwrap_or(ball), &self.next);
+        self.visit_around(&self.levels[own], &without, place, crossed, &mut visit);
         if N::ALIKE || self.levels.len() == 1 {
             return;
         }
         let before = crossed.map(|border| place.beyond(border.other_side()));
         for (other, level) in self.levels.iter().enumerate() {
             if other < own {
-                self.visit_within(&self.levels[own], place, crossed, level, &mut visit);
+                self.visit_within(&self.levels[own], &without, place, crossed, level, &mut visit);
             } else if other > own {
                 let seen = |place: Place| Place {
                     column: (usize::from(place.column) >> (other - own)).min(level.columns - 1) as u16,
                     row: (usize::from(place.row) >> (other - own)).min(level.rows - 1) as u16,
                 };
                 if before.map(seen) != Some(seen(place)) {
-                    self.visit_around(level, seen(place), crossed, &mut visit);
+                    self.visit_around(level, &without, seen(place), crossed, &mut visit);
                 }
             }
         }
     }
 
-    /// Visits the nine cells around a place, or the three of them beyond a border that was crossed. Most are empty,
-    /// which no branch could foretell: those that are not are gathered first.
+    /// Visits the balls in the nine cells around a place, or in the three of them beyond a border that was
+    /// crossed. How many balls there are in a cell, if any, no branch could foretell: all that are next in their cells
+    /// queue up in one row, at most one for each cell at a time.
     #[inline]
     fn visit_around(
         &self,
         level: &Level,
+        without: &Without,
         place: Place,
         crossed: Option<Border>,
         visit: &mut impl FnMut(usize),
     ) {
-        let (mut found, mut count) = ([END; 16], 0);
-        let mut gather = |head: u32| {
-            found[count % 16] = head;
+        let (mut queue, mut count) = ([END; 16], 0_usize);
+        let gather = |head: u32| {
+            let head = without.skip(head);
+            queue[count % 16] = head;
             count += usize::from(head != END);
         };
+        self.heads_around(level, place, crossed, gather);
+        let mut visited = 0;
+        while visited < count {
+            let other = queue[visited % 16] as usize;
+            visited += 1;
+            let after = without.skip(self.next[other]);
+            queue[count % 16] = after;
+            count += usize::from(after != END);
+            visit(other);
+        }
+    }
+
+    /// Hands over the first balls, or [`END`], of the nine cells around a place, or of the three of them beyond a border.
+    #[inline]
+    fn heads_around(
+        &self,
+        level: &Level,
+        place: Place,
+        crossed: Option<Border>,
+        mut gather: impl FnMut(u32),
+    ) {
         let (middle, stride) = (level.index(place), level.stride());
         let row = |cell: usize| self.heads[cell - 1..].first_chunk::<3>().copied().unwrap_or([END; 3]);
         match crossed {
@@ -242,19 +268,27 @@ impl Cells {
                 row(if up { middle + stride } else { middle - stride }).into_iter().for_each(gather);
             }
         }
-        for &head in &found[..count % 16] {
-            let mut at = head;
-            while at != END {
-                visit(at as usize);
-                at = self.next[at as usize];
-            }
-        }
+    }
+
+    /// Hands over what [`for_each_near`](Self::for_each_near) will begin with, once the ball has gone over the border
+    /// `crosses`, if it does so: the first ball, or [`END`], of each cell of its own level.
+    #[inline]
+    pub(super) fn heads_near(
+        &self,
+        ball: usize,
+        place: Place,
+        crosses: Option<Border>,
+        gather: impl FnMut(u32),
+    ) {
+        let place = crosses.map_or(place, |border| place.beyond(border));
+        self.heads_around(&self.levels[self.level(ball)], place, crosses, gather);
     }
 
     /// Visits the cells of a finer level that make up those around a place, or beyond a border, of a coarser one.
     fn visit_within(
         &self,
         coarse: &Level,
+        without: &Without,
         place: Place,
         crossed: Option<Border>,
         fine: &Level,
@@ -276,13 +310,39 @@ impl Cells {
         };
         for row in span(1, place.row, coarse.rows, fine.rows) {
             for column in span(0, place.column, coarse.columns, fine.columns) {
-                let mut at = self.heads[fine.index(Place { column: column as u16, row: row as u16 })];
+                let place = Place { column: column as u16, row: row as u16 };
+                let mut at = without.skip(self.heads[fine.index(place)]);
                 while at != END {
                     visit(at as usize);
-                    at = self.next[at as usize];
+                    at = without.skip(self.next[at as usize]);
                 }
             }
         }
+    }
+}
+
+/// Two balls, or the same one twice, that are left out of the lists of their cells.
+struct Without {
+    left_out: [u32; 2],
+    /// Who comes after each in its cell, of those that are not left out.
+    behind: [u32; 2],
+}
+
+impl Without {
+    #[inline]
+    fn new(one: usize, other: usize, next: &[u32]) -> Self {
+        let (after_one, after_other) = (next[one], next[other]);
+        let behind_one = if after_one == other as u32 { after_other } else { after_one };
+        let behind_other = if after_other == one as u32 { after_one } else { after_other };
+        Self { left_out: [one as u32, other as u32], behind: [behind_one, behind_other] }
+    }
+
+    /// The ball at this place in a list, or the next after it that is not left out.
+    #[inline]
+    fn skip(&self, ball: u32) -> u32 {
+        let Self { left_out, behind } = self;
+        let ball = if ball == left_out[0] { behind[0] } else { ball };
+        if ball == left_out[1] { behind[1] } else { ball }
     }
 }
 

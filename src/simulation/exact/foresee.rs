@@ -2,7 +2,8 @@
 
 use crate::simulation::flight::{self, NEVER, Pair};
 
-use super::cells::Border;
+use super::calendar::Entry;
+use super::cells::{Border, END};
 use super::flights::{Against, Marks};
 use super::{Exact, Needs};
 
@@ -17,13 +18,38 @@ struct Ahead {
     border: Border,
 }
 
+impl Ahead {
+    const NOTHING: Self = Self {
+        impact: NEVER,
+        wall: Against::NOTHING,
+        crossing: NEVER,
+        border: Border { axis: 0, up: false },
+    };
+}
+
 impl Exact {
     /// Finds a ball's earliest impact from now on, and whose earliest that is too.
     pub(super) fn foresee<N: Needs>(&mut self, slot: usize, now: f64) {
+        self.foresee_without::<N>(slot, None, now);
+    }
+
+    /// The same for two balls that have just hit each other.
+    #[inline]
+    pub(super) fn foresee_both<N: Needs>(&mut self, one: usize, other: usize, now: f64) {
+        // All but always they part now, in straight flight beside each other: that needs no proof by the roots, twice.
+        let beside = !N::GRAVITY || self.marks[one].rests() == self.marks[other].rests();
+        let parts = beside && !N::DETECT && self.pair::<N>(one, other, now).parts_from_touch();
+        self.foresee_without::<N>(one, parts.then_some(other), now);
+        self.foresee_without::<N>(other, parts.then_some(one), now);
+    }
+
+    /// The same but for one other ball, if any, that it will surely not meet.
+    #[inline]
+    fn foresee_without<N: Needs>(&mut self, slot: usize, except: Option<usize>, now: f64) {
         let ahead = self.ahead::<N>(slot, now, None);
         let flight = &mut self.flights[slot];
         (flight.impact, flight.against) = (ahead.impact, ahead.wall);
-        self.meet_others::<N>(slot, now, None);
+        self.meet_others::<N>(slot, except, now, None);
         self.write_next::<N>(slot, &ahead);
     }
 
@@ -39,8 +65,24 @@ impl Exact {
         if ahead.impact < flight.impact {
             (flight.impact, flight.against) = (ahead.impact, ahead.wall);
         }
-        self.meet_others::<N>(slot, now, Some(border));
+        self.meet_others::<N>(slot, None, now, Some(border));
         self.write_next::<N>(slot, &ahead);
+    }
+
+    /// Reads what the events of the open day will look at. Each of them alone would wait for memory; asked for all at
+    /// once, with no branch between, it answers many times as fast.
+    pub(super) fn fetch(&mut self) {
+        let Some(cells) = &self.cells else { return };
+        self.near.clear();
+        for &Entry { time, ball } in self.calendar.today() {
+            let slot = ball as usize;
+            let flight = &self.flights[slot];
+            let crosses = (flight.impact != time).then(|| self.marks[slot].border());
+            cells.heads_near(slot, flight.place, crosses, |head| self.near.push(head));
+        }
+        let last = self.flights.len() - 1;
+        let read = |sum: f64, &near: &u32| sum + self.flights[(near as usize).min(last)].time;
+        std::hint::black_box(self.near.iter().fold(0.0, read));
     }
 
     /// Whether two balls that fly through each other overlap now.
@@ -75,16 +117,41 @@ impl Exact {
     /// that is `crossed`.
     #[inline]
     fn ahead<N: Needs>(&self, slot: usize, now: f64, crossed: Option<Border>) -> Ahead {
-        let mut ahead =
-            Ahead { impact: NEVER, wall: Against::NOTHING, crossing: NEVER, border: Border::default() };
+        if !N::GRAVITY {
+            return self.straight_ahead::<N>(slot);
+        }
+        let mut ahead = Ahead::NOTHING;
+        for (axis, up) in [(0, false), (0, true), (1, false), (1, true)] {
+            self.look::<N>(slot, now, Border { axis, up }, crossed, &mut ahead);
+        }
+        ahead
+    }
+
+    /// The same in straight flight, where each axis has one side ahead. Whether a wall is there or the border of a cell,
+    /// and which of the two sides is reached first, no processor can foretell: there are no branches for it.
+    #[inline]
+    fn straight_ahead<N: Needs>(&self, slot: usize) -> Ahead {
+        let flight = &self.flights[slot];
+        let radius = self.matter::<N>(slot).radius;
+        let mut ahead = Ahead::NOTHING;
         for axis in 0..2 {
-            if N::GRAVITY {
-                self.look::<N>(slot, now, Border { axis, up: false }, crossed, &mut ahead);
-                self.look::<N>(slot, now, Border { axis, up: true }, crossed, &mut ahead);
-            } else {
-                // Straight ahead there is one side alone.
-                let up = self.flights[slot].velocity[axis] > 0.0;
-                self.look::<N>(slot, now, Border { axis, up }, crossed, &mut ahead);
+            let (position, speed) = (flight.position[axis], flight.velocity[axis]);
+            let border = Border { axis, up: speed > 0.0 };
+            let (line, edge) = match &self.cells {
+                Some(cells) => cells.line::<N>(slot, flight.place, border),
+                None => (0.0, true),
+            };
+            let wall =
+                [self.walls_at[0][axis] + radius, self.walls_at[1][axis] - radius][usize::from(border.up)];
+            let distance = if edge { wall } else { line } - position;
+            let reached = flight.time + flight::arrive(distance, speed);
+            let time = if speed == 0.0 { NEVER } else { reached };
+            let (impact, crossing) = if edge { (time, NEVER) } else { (NEVER, time) };
+            if impact < ahead.impact {
+                (ahead.impact, ahead.wall) = (impact, Against::wall(axis, border.up));
+            }
+            if crossing < ahead.crossing {
+                (ahead.crossing, ahead.border) = (crossing, border);
             }
         }
         ahead
@@ -101,8 +168,8 @@ impl Exact {
         ahead: &mut Ahead,
     ) {
         let flight = &self.flights[slot];
-        let line = self.cells.as_ref().and_then(|cells| cells.line::<N>(slot, flight.place, border));
-        if let Some(line) = line {
+        let line = self.cells.as_ref().map(|cells| cells.line::<N>(slot, flight.place, border));
+        if let Some((line, false)) = line {
             let time = self.leaves::<N>(slot, now, border, crossed, line);
             if time < ahead.crossing {
                 (ahead.crossing, ahead.border) = (time, border);
@@ -129,9 +196,6 @@ impl Exact {
     ) -> f64 {
         let flight = &self.flights[slot];
         let time = flight.time + self.reach::<N>(slot, border, line);
-        if !N::GRAVITY {
-            return time;
-        }
         let Border { axis, up } = border;
         let (speed, pull) = (flight.velocity[axis], self.pull::<N>(slot)[axis]);
         let toward = |along: f64| if up { along } else { -along };
@@ -149,37 +213,40 @@ impl Exact {
     fn reach<N: Needs>(&self, slot: usize, Border { axis, up }: Border, line: f64) -> f64 {
         let flight = &self.flights[slot];
         let (distance, speed) = (line - flight.position[axis], flight.velocity[axis]);
-        if N::GRAVITY {
-            let pull = self.pull::<N>(slot)[axis];
-            let sign = if up { 1.0 } else { -1.0 };
-            flight::reach(sign * distance, sign * speed, sign * pull)
-        } else if speed == 0.0 {
-            NEVER
-        } else {
-            flight::arrive(distance, speed)
+        let pull = self.pull::<N>(slot)[axis];
+        let sign = if up { 1.0 } else { -1.0 };
+        flight::reach(sign * distance, sign * speed, sign * pull)
+    }
+
+    /// Two balls as the first sees the other now.
+    #[inline]
+    fn pair<N: Needs>(&self, slot: usize, other: usize, now: f64) -> Pair {
+        let (position, velocity) = self.state::<N>(slot, now);
+        let (their_position, their_velocity) = self.state::<N>(other, now);
+        Pair {
+            distance: their_position - position,
+            velocity: their_velocity - velocity,
+            reach: self.matter::<N>(slot).radius + self.matter::<N>(other).radius,
+            own: velocity,
+            slow: self.rest_speed,
         }
     }
 
     /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
     /// other's earliest. Where it crosses a border now, only those that have come near by that are looked at.
     #[inline]
-    fn meet_others<N: Needs>(&mut self, slot: usize, now: f64, crossed: Option<Border>) {
+    fn meet_others<N: Needs>(
+        &mut self,
+        slot: usize,
+        except: Option<usize>,
+        now: f64,
+        crossed: Option<Border>,
+    ) {
         let Some(cells) = &self.cells else { return };
         let flight = &self.flights[slot];
-        let (position, velocity) = self.state::<N>(slot, now);
-        let radius = self.matter::<N>(slot).radius;
-        let pair = |other: usize| {
-            let (their_position, their_velocity) = self.state::<N>(other, now);
-            Pair {
-                distance: their_position - position,
-                velocity: their_velocity - velocity,
-                reach: radius + self.matter::<N>(other).radius,
-                own: velocity,
-                slow: self.rest_speed,
-            }
-        };
+        let pair = |other: usize| self.pair::<N>(slot, other, now);
         let inside = |other: usize| N::DETECT && self.overlap(slot, other);
-        let mut first = First { time: flight.impact, partner: None };
+        let mut first = First { time: flight.impact, partner: END };
         let mut accelerated = Few::default();
         let meet_accelerated = |other: usize, first: &mut First| {
             let pull = self.pull::<N>(other) - self.pull::<N>(slot);
@@ -192,9 +259,9 @@ impl Exact {
             };
             first.or(now + time, other, self.flights[other].impact);
         };
-        cells.for_each_near::<N>(slot, flight.place, crossed, |other| {
+        cells.for_each_near::<N>(slot, except, flight.place, crossed, |other| {
             let held = |slot: usize| self.marks[slot].rests() == 3;
-            if other == slot || (N::GRAVITY && held(slot) && held(other)) {
+            if N::GRAVITY && held(slot) && held(other) {
             } else if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
                 // These cost most, and least where there is little time left: they come last.
                 if !accelerated.push(other) {
@@ -208,7 +275,9 @@ impl Exact {
         for &other in accelerated.all() {
             meet_accelerated(other, &mut first);
         }
-        if let First { time, partner: Some(partner) } = first {
+        if first.partner != END {
+            let First { time, partner } = first;
+            let partner = partner as usize;
             (self.flights[slot].impact, self.flights[slot].against) = (time, Against::ball(partner));
             let other = &mut self.flights[partner];
             (other.impact, other.against) = (time, Against::ball(slot));
@@ -223,16 +292,18 @@ impl Exact {
 /// The earliest meeting found, if it is earlier than what else will happen to a ball.
 struct First {
     time: f64,
-    partner: Option<usize>,
+    /// [`END`] while none has been found.
+    partner: u32,
 }
 
 impl First {
     /// Takes a meeting instead where it is earlier, and earlier than the partner's next impact.
     #[inline]
     fn or(&mut self, time: f64, partner: usize, impact: f64) {
-        if time < self.time && time < impact {
-            (self.time, self.partner) = (time, Some(partner));
-        }
+        // Again a toss.
+        let earlier = time < self.time.min(impact);
+        self.time = if earlier { time } else { self.time };
+        self.partner = if earlier { partner as u32 } else { self.partner };
     }
 }
 

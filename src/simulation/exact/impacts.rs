@@ -88,23 +88,17 @@ fn shares_with_fixed(first: &Matter, second: &Matter) -> (f64, f64) {
 }
 
 impl Exact {
-    /// How soon after its last impact a slow one is chatter, s: as long as a hop at the rest speed.
-    pub(super) fn chatter(&self) -> f64 {
-        let gravity = self.gravity.length();
-        2.0 * self.rest_speed / if gravity > 0.0 { gravity } else { EARTH }
-    }
-
     /// The approach, px/s, below which an impact is chatter, so long after a ball's last one.
     ///
     /// That is the rest speed, or more where the ball has hardly moved since, and not in the hits before either. So a ball that is driven into a wedge is thrown back in the end, where otherwise it would hit ever more
     /// often and never stop.
     fn chatter_speed(&self, slot: usize, now: f64) -> f64 {
         let since = now - self.flights[slot].time;
-        if self.marks[slot].has(Marks::STRUCK) && since < self.chatter() {
+        if self.marks[slot].has(Marks::STRUCK) && since < self.chatter_time {
             if self.marks[slot].quick_hits() < QUICK {
                 return self.rest_speed;
             }
-            let length = (BARELY * self.rest_speed * self.chatter()).min(self.chatter_length);
+            let length = (BARELY * self.rest_speed * self.chatter_time).min(self.chatter_length);
             self.rest_speed.max(length / since)
         } else {
             0.0
@@ -118,7 +112,7 @@ impl Exact {
 
     /// Begins a new flight of a ball.
     pub(super) fn set_out(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
-        let soon = self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter();
+        let soon = self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter_time;
         self.marks[slot].strike(soon);
         let flight = &mut self.flights[slot];
         (flight.position, flight.velocity, flight.time) = (position, velocity, now);
@@ -244,8 +238,7 @@ impl Exact {
             self.set_out(slot, (position, velocity + change), now);
         }
         tally.impacts += 1;
-        self.foresee::<N>(one, now);
-        self.foresee::<N>(other, now);
+        self.foresee_both::<N>(one, other, now);
         for slot in [one, other] {
             if self.marks[slot].chatter() == Marks::MOST_CHATTER {
                 self.settle::<N>(slot, now);
@@ -265,8 +258,7 @@ impl Exact {
             marks.set(Marks::LEANS, true);
         }
         tally.impacts += 1;
-        self.foresee::<N>(one, now);
-        self.foresee::<N>(other, now);
+        self.foresee_both::<N>(one, other, now);
     }
 
     /// The changes of velocity where one of two balls, or both, rest on walls, which hold them unless the blow is so

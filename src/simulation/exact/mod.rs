@@ -42,7 +42,11 @@ pub(super) struct Exact {
     pulls: [DVec2; 4],
     size: DVec2,
     walls: Option<f64>,
+    /// The low and the high walls, px; at infinity where there are none.
+    walls_at: [DVec2; 2],
     rest_speed: f64,
+    /// How soon after its last impact a slow one is chatter, s: as long as a hop at the rest speed.
+    chatter_time: f64,
     /// What balls have moved at most between two hits that are chatter, px, whatever the rest speed.
     chatter_length: f64,
     /// Whether balls may rest on walls, or be held between them, or are fixed.
@@ -74,6 +78,8 @@ pub(super) struct Exact {
     unwatched: u32,
     /// Events that may yet be spent on the search for groups at rest; below 0 it waits.
     credit: i64,
+    /// The balls near those of the open day's events.
+    near: Vec<u32>,
     /// For each slot its place in the group that is looked at.
     found: Vec<u32>,
     /// Which held balls lean on which fixed ones.
@@ -98,6 +104,8 @@ const LEAN: f64 = 8.0;
 const SPANS: (f64, f64) = (1.0 / (1_u64 << 58) as f64, 16.0);
 /// The most events that are saved up for the search for groups at rest.
 const MOST_CREDIT: i64 = 1024;
+/// So many balls and their cells do not stay in the caches near the processor.
+const MANY: usize = 50_000;
 /// Events between two looks at the caller's watch.
 const EVENTS_PER_LOOK: u32 = 256;
 
@@ -130,12 +138,14 @@ enum Pause {
 impl Exact {
     pub(super) fn new(world: &World, balls: &[Ball], rest_speed: f64) -> Self {
         let gravity = world.gravity.unwrap_or_default();
+        let (holds, strength) = (gravity != DVec2::ZERO, gravity.length());
         let several = balls.len() > 1;
         let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
         let smallest = balls
             .iter()
             .filter(|ball| !ball.is_fixed())
             .fold(f64::INFINITY, |low, ball| low.min(ball.radius));
+        let rest_speed = counted_rest_speed(rest_speed, gravity, smallest);
         let mut exact = Self {
             gravity,
             pulls: [0, 1, 2, 3].map(|rests| {
@@ -144,9 +154,14 @@ impl Exact {
             }),
             size: world.size,
             walls: world.walls,
-            rest_speed: counted_rest_speed(rest_speed, gravity, smallest),
+            walls_at: match world.walls {
+                Some(_) => [DVec2::ZERO, world.size],
+                None => [DVec2::NEG_INFINITY, DVec2::INFINITY],
+            },
+            rest_speed,
+            chatter_time: 2.0 * rest_speed / if strength > 0.0 { strength } else { impacts::EARTH },
             chatter_length: CHATTER_LENGTH * smallest,
-            holds: gravity != DVec2::ZERO,
+            holds,
             ids: (0..balls.len() as u32).collect(),
             flights: Vec::new(),
             marks: vec![Marks::default(); balls.len()],
@@ -163,6 +178,7 @@ impl Exact {
             at_once: 0,
             unwatched: 0,
             credit: 0,
+            near: Vec::new(),
             found: Vec::new(),
             propped: Vec::new(),
         };
@@ -316,6 +332,9 @@ impl Exact {
             if dawn == Dawn::YearOver {
                 return Some(Pause::NewYear(day));
             }
+            if self.flights.len() > MANY {
+                self.fetch();
+            }
         }
     }
 
@@ -387,7 +406,7 @@ impl Exact {
     /// Shows the balls as they are at the clock's time. This evaluates, and never writes back.
     fn show<N: Needs>(&mut self, frame: &mut Frame<'_>) {
         let now = self.clock.shown_since(self.origin);
-        let lean = LEAN * self.chatter();
+        let lean = LEAN * self.chatter_time;
         for (slot, flight) in self.flights.iter().enumerate() {
             let (ball, marks) = (self.ids[slot] as usize, &mut self.marks[slot]);
             (frame.balls[ball].position, frame.balls[ball].velocity) =

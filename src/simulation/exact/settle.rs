@@ -154,7 +154,7 @@ impl Exact {
 
     /// How near balls are that touch, px: twice as far as one at the rest speed hops from another.
     fn touch(&self) -> f64 {
-        (0.5 * self.rest_speed * self.chatter()).min(self.chatter_length)
+        (0.5 * self.rest_speed * self.chatter_time).min(self.chatter_length)
     }
 
     /// The balls that touch a ball, those that touch these and so on, as far as they are slow beside each other.
@@ -180,7 +180,7 @@ impl Exact {
                 }
             }
             let Some(cells) = self.cells.as_ref().filter(|_| !N::DETECT) else { break };
-            cells.for_each_near::<N>(one, self.flights[one].place, None, |slot| {
+            cells.for_each_near::<N>(one, None, self.flights[one].place, None, |slot| {
                 // Those that were looked at before know of this one.
                 if slot == one || (found[slot] as usize) < at {
                     return;
@@ -248,7 +248,7 @@ impl Exact {
                 self.set_out(one, (position, DVec2::ZERO), now);
                 let radius = self.matter::<N>(one).radius;
                 let Some(cells) = &self.cells else { break };
-                cells.for_each_near::<N>(one, place, None, |other| {
+                cells.for_each_near::<N>(one, None, place, None, |other| {
                     if self.marks[other].has(Marks::HELD) {
                         let distance = self.flights[other].position - position;
                         let reach = radius + self.matter::<N>(other).radius;

@@ -116,6 +116,15 @@ impl Pair {
         (c / (discriminant.sqrt() - b)).max(parts + misses)
     }
 
+    /// Whether they touch, or are apart, and do not approach each other: then they never meet in straight flight.
+    #[inline]
+    pub(super) fn parts_from_touch(&self) -> bool {
+        let square = self.reach * self.reach;
+        // What overlaps deeply may be at rest.
+        let touches = self.distance.length_squared() - square > -DEEP * square;
+        touches && self.distance.dot(self.velocity) >= 0.0
+    }
+
     /// When they stop overlapping, in straight flight, if they overlap now or touch and approach: the later root of
     /// |d + wt| = s. 0 where they do not overlap and part; [`NEVER`] where they overlap at relative rest.
     #[inline]
