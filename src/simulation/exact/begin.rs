@@ -1,0 +1,156 @@
+//! How a simulation begins: what is made of the balls, their order, cells and first events.
+
+use glam::DVec2;
+
+use crate::simulation::ball::Ball;
+use crate::simulation::clock::Clock;
+use crate::simulation::grid::Grid;
+use crate::simulation::world::{Pairs, World};
+
+use super::calendar::Calendar;
+use super::cells::Cells;
+use super::flights::{Flight, Marks, Matter};
+use super::{Exact, Needs, SPANS, impacts};
+
+/// What balls move at most between two hits that are chatter, as a part of the smallest radius.
+const CHATTER_LENGTH: f64 = 1e-3;
+
+impl Exact {
+    pub(in crate::simulation) fn new(world: &World, balls: &[Ball], rest_speed: f64) -> Self {
+        let gravity = world.gravity.unwrap_or_default();
+        let (holds, strength) = (gravity != DVec2::ZERO, gravity.length());
+        let several = balls.len() > 1;
+        let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+        let smallest = balls
+            .iter()
+            .filter(|ball| !ball.is_fixed())
+            .fold(f64::INFINITY, |low, ball| low.min(ball.radius));
+        let rest_speed = counted_rest_speed(rest_speed, gravity, smallest);
+        let mut exact = Self {
+            gravity,
+            pulls: [0, 1, 2, 3].map(|rests| {
+                let free = |axis: usize| if rests & (1 << axis) == 0 { gravity[axis] } else { 0.0 };
+                DVec2::new(free(0), free(1))
+            }),
+            size: world.size,
+            walls: world.walls,
+            walls_at: match world.walls {
+                Some(_) => [DVec2::ZERO, world.size],
+                None => [DVec2::NEG_INFINITY, DVec2::INFINITY],
+            },
+            rest_speed,
+            chatter_time: 2.0 * rest_speed / if strength > 0.0 { strength } else { impacts::EARTH },
+            chatter_length: CHATTER_LENGTH * smallest,
+            holds,
+            ids: (0..balls.len() as u32).collect(),
+            flights: Vec::new(),
+            marks: vec![Marks::default(); balls.len()],
+            matter: Vec::new(),
+            calendar: Calendar::new(balls.len()),
+            cells: None,
+            overlaps: (world.pairs == Some(Pairs::Detect)).then(|| vec![Vec::new(); balls.len()]),
+            clock: Clock::default(),
+            origin: Clock::default(),
+            span: first_span(world, balls),
+            hits: 0,
+            begun: 0,
+            instant: 0.0,
+            at_once: 0,
+            unwatched: 0,
+            credit: 0,
+            near: Vec::new(),
+            found: Vec::new(),
+            propped: Vec::new(),
+        };
+        if several && world.pairs.is_some() {
+            let cells = Cells::new(world, &radii);
+            exact.ids.sort_by_cached_key(|&id| cells.order(id as usize, balls[id as usize].position));
+            // Anew, since the balls have another order now.
+            let radii: Vec<f64> = exact.in_order(balls).map(|ball| ball.radius).collect();
+            exact.cells = Some(Cells::new(world, &radii));
+        }
+        exact.flights = exact.in_order(balls).map(|ball| Flight::new(ball.position, ball.velocity)).collect();
+        exact.matter = exact.in_order(balls).map(Matter::of).collect();
+        if exact.overlaps.is_none() && exact.matter.iter().all(|matter| *matter == exact.matter[0]) {
+            exact.matter.truncate(1);
+        }
+        for (slot, &id) in exact.ids.iter().enumerate() {
+            let ball = &balls[id as usize];
+            for axis in 0..2 {
+                // A fixed ball rests, across both axes, and no impact lifts it: it is held as walls hold a ball that
+                // has no room between them.
+                let held = ball.is_fixed() || exact.jams(ball.radius, axis);
+                exact.marks[slot].set(Marks::rests_on(axis), held);
+                exact.holds |= held;
+            }
+        }
+        exact
+    }
+
+    fn in_order<'a>(&self, balls: &'a [Ball]) -> impl Iterator<Item = &'a Ball> {
+        self.ids.iter().map(|&id| &balls[id as usize])
+    }
+
+    /// Finds out what comes next for each ball, at the very beginning.
+    /// Whether that is done: a crowd at one place takes long, and may be gone on with later.
+    pub(super) fn begin<N: Needs>(&mut self, balls: &[Ball], go_on: &mut dyn FnMut() -> bool) -> bool {
+        if self.begun == 0 {
+            self.place_all(balls);
+        }
+        while self.begun < self.flights.len() {
+            if !self.has_time(go_on) {
+                return false;
+            }
+            self.foresee::<N>(self.begun, 0.0);
+            self.begun += 1;
+        }
+        true
+    }
+
+    /// Puts all balls into their cells, and finds out which overlap from the beginning.
+    fn place_all(&mut self, balls: &[Ball]) {
+        self.calendar.begin(self.span);
+        if let Some(cells) = &mut self.cells {
+            for (slot, flight) in self.flights.iter_mut().enumerate() {
+                flight.place = cells.place(slot, flight.position);
+                cells.put(slot, flight.place);
+            }
+        }
+        if let Some(overlaps) = &mut self.overlaps {
+            let balls: Vec<Ball> = self.ids.iter().map(|&id| balls[id as usize]).collect();
+            Grid::new(&balls, self.size).for_each(&balls, |i, j| {
+                // Fixed balls do not notice each other.
+                if !(balls[i as usize].is_fixed() && balls[j as usize].is_fixed()) {
+                    overlaps[i as usize].push(j);
+                    overlaps[j as usize].push(i);
+                }
+            });
+            for others in overlaps {
+                others.sort_unstable();
+            }
+        }
+    }
+}
+
+/// The rest speed as it counts, px/s. It is meant for the demo's gravity; where gravity is stronger it is in proportion, so that
+/// hops are as long, and as many in a second. But hops are never seen: they are lower than a hundredth of the smallest radius
+/// of a ball that moves. Where gravity is weak, or balls are tiny, that is less than what was asked for.
+fn counted_rest_speed(asked: f64, gravity: DVec2, smallest: f64) -> f64 {
+    if gravity == DVec2::ZERO {
+        return asked;
+    }
+    let strength = gravity.length();
+    (asked * (strength / impacts::EARTH).max(1.0)).min((2.0 * strength * 0.01 * smallest).sqrt())
+}
+
+/// The length of the first year, s: about the time between two impacts of a ball.
+fn first_span(world: &World, balls: &[Ball]) -> f64 {
+    let count = balls.len().max(1) as f64;
+    let energy = balls.iter().map(|ball| ball.velocity.length_squared()).sum::<f64>() / count;
+    let free = (world.size.x * world.size.y / count).sqrt();
+    let speed = energy.sqrt() + (world.gravity.unwrap_or_default().length() * free).sqrt();
+    // By comparison, not by a logarithm, whose last bit differs from machine to machine.
+    let spans = std::iter::successors(Some(SPANS.0), |span| Some(span * 2.0));
+    // Where nothing moves any length will do.
+    spans.take_while(|&span| span < SPANS.1).find(|span| span * speed >= free).unwrap_or(1.0)
+}
