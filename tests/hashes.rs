@@ -1,5 +1,5 @@
 //! The same bits everywhere: the state of every built-in scene, with each solver that suits it, after 1,000 frames of
-//! 1/60 s, in debug and release, with and without the default features.
+//! 1/60 s, in debug and release, with and without the default features, on x86-64 and (`.ci/aarch64`) on aarch64.
 //!
 //! The table is `tests/data/hashes.txt`. Where a change of the physics is meant,
 //!
@@ -10,7 +10,8 @@
 //! writes it anew and prints which lines are others; look at them before the commit.
 
 use std::path::PathBuf;
-use std::{env, fs};
+use std::sync::Mutex;
+use std::{env, fs, thread};
 
 use carom::{Scene, Solver};
 
@@ -43,11 +44,31 @@ fn line(name: &str, solver: Solver) -> String {
     format!("{name} {solver} {hash:016x}")
 }
 
+/// The lines of the whole table, found on as many threads as there are.
+fn lines() -> Vec<String> {
+    let runs = Mutex::new(suits::runs().enumerate());
+    let found = Mutex::new(Vec::new());
+    let take = || runs.lock().unwrap().next();
+    thread::scope(|scope| {
+        for _ in 0..thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(|| {
+                while let Some((index, (scene, solver))) = take() {
+                    let line = line(scene, solver);
+                    found.lock().unwrap().push((index, line));
+                }
+            });
+        }
+    });
+    let mut found = found.into_inner().unwrap();
+    found.sort_unstable();
+    found.into_iter().map(|(_, line)| line).collect()
+}
+
 #[test]
 fn every_scene_comes_to_the_same_bits_on_every_machine() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/hashes.txt");
     let known = fs::read_to_string(&path).unwrap_or_default();
-    let found: Vec<String> = suits::runs().map(|(scene, solver)| line(scene, solver)).collect();
+    let found = lines();
     let differing: Vec<&String> =
         found.iter().filter(|&line| !known.lines().any(|known| known == line)).collect();
     if env::var_os("CAROM_WRITE_HASHES").is_some() {
