@@ -1,4 +1,4 @@
-//! Nothing that is put in breaks it: scene files, deltas and games of any bytes.
+//! Nothing that is put in breaks it: scene files, deltas, replays and games of any bytes.
 //!
 //! The same inputs every time: chance is the fuzz targets' (fuzz/), and what they find goes to tests/findings/.
 
@@ -14,6 +14,8 @@ use proptest::test_runner::RngSeed;
 
 #[path = "common/play.rs"]
 mod play;
+#[path = "common/replaying.rs"]
+mod replaying;
 
 fn config(cases: u32) -> ProptestConfig {
     ProptestConfig {
@@ -61,6 +63,57 @@ fn mutated() -> impl Strategy<Value = String> {
     })
 }
 
+/// A number, of those that are likely to be taken and of those that are not.
+fn number() -> impl Strategy<Value = String> {
+    let numbers = ["0", "1", "2", "20", "1e-320", "-1", "nan", "1e7"];
+    prop_oneof![
+        2 => select(numbers.to_vec()).prop_map(str::to_owned),
+        2 => (0.0..0.1).prop_map(|x: f64| format!("{x}")),
+        2 => (0.0..1500.0).prop_map(|x: f64| format!("{x}")),
+        1 => (-1000.0..1000.0).prop_map(|x: f64| format!("{x}")),
+        1 => any::<f64>().prop_map(|x| format!("{x:e}")),
+    ]
+}
+
+/// A line of a replay, mostly one that can be read.
+fn replay_line() -> impl Strategy<Value = String> {
+    let numbers = |word: &'static str, count: usize| {
+        prop::collection::vec(number(), count)
+            .prop_map(move |numbers| format!("{word} {}", numbers.join(" ")))
+    };
+    let index = |word: &'static str| (0..20_u32).prop_map(move |index| format!("{word} {index}"));
+    let fixed = ["reset", "remove-last", "toggle-gravity", "compare on", "compare off", "# a comment", ""];
+    let solvers = ["solver canvas", "solver exact", "solver contact"];
+    prop_oneof![
+        6 => (0.0..0.1).prop_map(|seconds: f64| format!("frame {seconds}")),
+        2 => ((0.0..2.0), (1..20_u32)).prop_map(|(seconds, cut): (f64, u32)| format!("frame {seconds} {cut}")),
+        1 => numbers("frame", 1),
+        2 => select(fixed.to_vec()).prop_map(str::to_owned),
+        2 => select(solvers.to_vec()).prop_map(str::to_owned),
+        2 => index("add-random"),
+        1 => index("reseed"),
+        1 => index("remove"),
+        1 => numbers("add-ball", 5),
+        1 => (index("carry"), numbers("", 2)).prop_map(|(word, place)| word + &place),
+        1 => (index("place"), numbers("", 2)).prop_map(|(word, place)| word + &place),
+        1 => numbers("tilt-gravity", 2),
+        1 => numbers("resize", 2),
+    ]
+}
+
+/// A replay, most of whose lines can be read.
+fn replay() -> impl Strategy<Value = String> {
+    let scenes = ["gravity", "elastic", "detect", "cradle", "rain", "bullet"];
+    let lines = prop::collection::vec(replay_line(), 0..30);
+    let odd = prop::option::weighted(0.2, (any::<Index>(), prop_oneof![word(), any::<String>()]));
+    (select(scenes.to_vec()), any::<u64>(), lines, odd).prop_map(|(scene, seed, mut lines, odd)| {
+        if let Some((at, odd)) = odd {
+            lines.insert(at.index(lines.len() + 1), odd);
+        }
+        format!("carom replay 1\nscene {scene}\nseed {seed}\n{}\n", lines.join("\n"))
+    })
+}
+
 /// A text is a scene, or an error that names the file and says more than that.
 fn judge_scene(text: &str) {
     match Scene::parse("mutated.toml", text) {
@@ -101,6 +154,11 @@ proptest! {
 
 proptest! {
     #![proptest_config(config(400))]
+
+    #[test]
+    fn a_replay_is_refused_with_its_line_or_is_written_as_it_was_read_and_plays_by_the_laws(text in replay()) {
+        replaying::judge(&text);
+    }
 
     #[test]
     fn whatever_is_played_keeps_the_laws(bytes in prop::collection::vec(any::<u8>(), 0..400)) {

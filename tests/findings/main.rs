@@ -1,6 +1,9 @@
 //! What once broke it, a file each: the input that did, and what is right.
 
+mod accounts_within_a_substep;
 mod deep_tables;
 mod long_words;
+mod long_words_of_replays;
 mod many_fills;
 mod more_balls_than_there_may_be;
+mod slow_flight_far_out;
