@@ -6,6 +6,8 @@ use crate::simulation::{Ball, Simulation, Solver};
 
 /// The first look ahead for an impact, s; each next one is twice as long.
 const FIRST_LOOK: f64 = 1.0 / 1024.0;
+/// The most looks ahead: where they are cut short, as between thousands of balls, they reach less far.
+const MOST_LOOKS: u32 = 100;
 /// How well the time of an impact is found, s: half as well as frames are shown.
 const IMPACT_KNOWN: f64 = 1.0 / (1_u64 << 47) as f64;
 /// The path of a throw is shown for so long, s, in so many parts.
@@ -16,23 +18,27 @@ const MOST_IN_PATH: usize = 500;
 /// Looks at the watch in the search for a path: where balls are too crowded for it, the path ends early.
 const PATH_LOOKS: u32 = 64;
 
-/// The seconds until just behind the next impact; `None` where there is none for `most` seconds.
+/// The seconds until just behind the next impact; `None` where there is none for `most` seconds. Where that takes too long
+/// to find out, the seconds up to which there is none.
 pub(super) fn next_impact(simulation: &Simulation, most: f64) -> Option<f64> {
     let met = |other: &Simulation| {
         let (before, now) = (simulation.tally(), other.tally());
         (before.impacts, before.wall_hits) != (now.impacts, now.wall_hits)
     };
-    let (mut here, mut passed, mut look) = (simulation.clone(), 0.0, FIRST_LOOK);
-    while passed < most {
+    // By the first look at the watch something may have met: in a jam, thousands of impacts are in a moment.
+    let ahead_of = |here: &Simulation, seconds: f64| {
         let mut ahead = here.clone();
-        ahead.advance(look).ok()?;
+        let done = ahead.advance_while(seconds, || false).ok()?;
+        Some((ahead, done))
+    };
+    let (mut here, mut passed, mut look) = (simulation.clone(), 0.0, FIRST_LOOK);
+    for _ in 0..MOST_LOOKS {
+        let (ahead, done) = ahead_of(&here, look)?;
         if met(&ahead) {
-            let (mut low, mut high) = (0.0, look);
+            let (mut low, mut high) = (0.0, done);
             while high - low > IMPACT_KNOWN {
                 let middle = low.midpoint(high);
-                let mut ahead = here.clone();
-                ahead.advance(middle).ok()?;
-                if met(&ahead) {
+                if met(&ahead_of(&here, middle)?.0) {
                     high = middle;
                 } else {
                     low = middle;
@@ -41,10 +47,13 @@ pub(super) fn next_impact(simulation: &Simulation, most: f64) -> Option<f64> {
             return Some(passed + high + IMPACT_KNOWN);
         }
         here = ahead;
-        passed += look;
+        passed += done;
+        if passed >= most {
+            return None;
+        }
         look *= 2.0;
     }
-    None
+    Some(passed)
 }
 
 /// Where a ball that is added now will fly, px, from its centre on: exactly, with its first impacts.

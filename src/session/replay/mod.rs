@@ -78,9 +78,14 @@ pub enum ReplayError {
         /// The scene that was given.
         given: String,
     },
-    /// The scene's balls do not fit.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
+    /// The scene's balls do not fit into the world that it asks for.
+    #[error("{}: {source}", path.display())]
+    Scene {
+        /// The replay's path.
+        path: PathBuf,
+        /// What does not fit.
+        source: Box<SceneError>,
+    },
 }
 
 impl Replay {
@@ -110,7 +115,8 @@ impl Replay {
         }
         let read::Read { header, scene: start, entries } =
             read::read(text, scene).map_err(|(line, message)| wrong(line, message))?;
-        let state = State::new(&start, header.seed)?;
+        let state = State::new(&start, header.seed)
+            .map_err(|source| ReplayError::Scene { path: path.to_owned(), source: Box::new(source) })?;
         if header.fingerprint.is_some_and(|recorded| recorded != fingerprint(&state.simulation)) {
             return Err(ReplayError::OtherScene {
                 path: path.to_owned(),

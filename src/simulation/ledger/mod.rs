@@ -68,8 +68,8 @@ struct Before {
     energy: f64,
     /// Whether the state was one that the solver had computed.
     whole: bool,
-    /// Whether a ball was not wholly between the walls.
-    outside: bool,
+    /// Whether no accounts begin with it: a ball was not wholly between the walls, or it was within a substep.
+    unfit: bool,
 }
 
 /// What the accounts begin with.
@@ -91,8 +91,6 @@ struct Base {
     fixed: bool,
     /// Whether balls can always get out of each other's way.
     roomy: bool,
-    /// Whether the state was one that the solver had computed.
-    whole: bool,
     /// Whether nothing takes energy.
     lossless: bool,
 }
@@ -139,7 +137,7 @@ impl Ledger {
         if !changed && is_whole(simulation) {
             self.check_walls(simulation)?;
         }
-        if changed || before.outside || !self.base.whole {
+        if changed || before.unfit {
             // What walls do to balls that were put beyond them is no law of motion, and what `contact` shows within a
             // substep is no state to begin accounts with.
             *self = Self { flights: self.flights, ..Self::new(simulation) };
@@ -345,7 +343,7 @@ impl Before {
             time,
             energy,
             whole: is_whole(simulation),
-            outside: world.walls.is_some() && balls.iter().any(out),
+            unfit: !is_whole(simulation) || (world.walls.is_some() && balls.iter().any(out)),
             balls: balls.clone(),
         }
     }
@@ -374,7 +372,6 @@ impl Base {
             overlap: overlap.map_or(0.0, |(_, depth)| depth),
             fixed: balls.iter().any(Ball::is_fixed),
             roomy,
-            whole: is_whole(simulation),
             lossless: elastic && roomy,
         }
     }
