@@ -15,19 +15,17 @@ mod impulse;
 pub mod invariants;
 pub mod ledger;
 pub mod limits;
+mod solver;
 mod world;
 
 use std::fmt;
-use std::str::FromStr;
 
 use glam::DVec2;
 
 pub use ball::Ball;
-use canvas::Canvas;
-use contact::Contact;
-use exact::Exact;
-use grid::Grid;
 use limits::{DEFAULT_REST_SPEED, DELTA, MAX_BALLS, MAX_THREADS, OutOfRange, REST_SPEED, SUBSTEPS};
+use solver::{Advance, Frame, Tuning};
+pub use solver::{Part, Solver, UnknownSolver};
 pub use world::{Pairs, World};
 
 /// Balls, the world that they move in, and the solver that moves them.
@@ -56,61 +54,6 @@ pub struct Simulation {
     tally: Tally,
 }
 
-/// What solvers may be told beside the physics.
-#[derive(Debug, Clone, Copy)]
-struct Tuning {
-    /// The speed below which bouncing counts as rest, px/s.
-    rest_speed: f64,
-    /// Substeps in a second; `None` where the solver is to choose.
-    substeps: Option<u32>,
-    /// Whether balls at rest may sleep.
-    sleep: bool,
-    /// How many threads share the work of a substep.
-    threads: u32,
-}
-
-/// The ways of moving a simulation on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Solver {
-    /// The canvas demo's frame step, bit for bit; its result depends on the frame rate.
-    Canvas,
-    /// Event-driven: exact between and at impacts, whatever the frame rate.
-    Exact,
-    /// Fixed substeps in which all contacts are solved together: large piles in real time, whatever the frame rate.
-    Contact,
-}
-
-/// What has happened since the simulation began.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Tally {
-    /// Impacts between two balls, of which one may be fixed.
-    pub impacts: u64,
-    /// Impacts of a ball on a wall.
-    pub wall_hits: u64,
-    /// The momentum that these have given the balls, mass·px/s. What a wall carries of balls that rest on it is not
-    /// in it, and neither is what fixed balls give to others.
-    pub wall_impulse: DVec2,
-}
-
-/// A part of a solver's work that a simulation may need or leave out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
-    /// Balls move.
-    Motion,
-    /// Gravity accelerates them.
-    Gravity,
-    /// Walls turn them back.
-    Walls,
-    /// Touching pairs are found by comparing all of them.
-    AllPairs,
-    /// Touching pairs are found on a grid.
-    Grid,
-    /// Impacts are foreseen, and taken in their order in time.
-    Events,
-    /// Touching pairs exchange momentum.
-    Impulse,
-}
-
 /// Why balls and a world do not make a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BuildError {
@@ -130,43 +73,16 @@ pub enum BuildError {
     },
 }
 
-/// What a solver is: something that moves a frame's balls on.
-///
-/// A solver is made for one world and one set of balls, and decides then which of its parts run; whoever changes
-/// either makes it anew. It keeps what it needs between frames, and leaves in `frame` what is to be shown.
-trait Advance: fmt::Debug + Send + Sync {
-    /// Moves on by up to `seconds`, which is finite and not negative, and returns the seconds that it has moved on: less
-    /// than asked for only where `go_on` said no. `go_on` is asked now and then where the work may be long, and not
-    /// before some of it is done, so that every call gets on. `frame` then holds the state at the time returned.
-    fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64;
-    /// Takes up balls that were added behind those that it knows, the list being that of all; whether it could. If not,
-    /// it is made anew.
-    fn add(&mut self, _world: &World, _balls: &[Ball]) -> bool {
-        false
-    }
-    /// Takes up the velocity that the ball of this index was given from outside; whether it could. If not, it is made
-    /// anew.
-    fn throw(&mut self, _index: usize, _ball: &Ball) -> bool {
-        false
-    }
-    /// One that goes on exactly as this one does.
-    fn boxed(&self) -> Box<dyn Advance>;
-    /// The parts that run.
-    fn parts(&self, world: &World) -> Vec<Part>;
-}
-
-impl Clone for Box<dyn Advance> {
-    fn clone(&self) -> Self {
-        self.as_ref().boxed()
-    }
-}
-
-/// What a solver works on: the simulation less the solver itself.
-struct Frame<'a> {
-    world: &'a World,
-    balls: &'a mut [Ball],
-    touching: &'a mut [bool],
-    tally: &'a mut Tally,
+/// What has happened since the simulation began.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tally {
+    /// Impacts between two balls, of which one may be fixed.
+    pub impacts: u64,
+    /// Impacts of a ball on a wall.
+    pub wall_hits: u64,
+    /// The momentum that these have given the balls, mass·px/s. What a wall carries of balls that rest on it is not
+    /// in it, and neither is what fixed balls give to others.
+    pub wall_impulse: DVec2,
 }
 
 impl Tally {
@@ -175,20 +91,6 @@ impl Tally {
         self.impacts += other.impacts;
         self.wall_hits += other.wall_hits;
         self.wall_impulse += other.wall_impulse;
-    }
-}
-
-impl Frame<'_> {
-    /// Flags the balls that overlap; fixed ones, where there are any, do not notice each other. Flags are the same in any
-    /// order, so no pair is kept.
-    fn show_overlaps<const FIXED: bool>(&mut self, grid: &mut Grid) {
-        let Frame { balls, touching, .. } = self;
-        grid.for_each(balls, |i, j| {
-            let (i, j) = (i as usize, j as usize);
-            if !(FIXED && balls[i].is_fixed() && balls[j].is_fixed()) {
-                (touching[i], touching[j]) = (true, true);
-            }
-        });
     }
 }
 
@@ -468,83 +370,6 @@ fn check_fit(world: &World, balls: &[Ball], before: usize) -> Result<(), BuildEr
         }
     }
     Ok(())
-}
-
-impl Solver {
-    /// All solvers, in the order in which the window goes through them.
-    pub const ALL: &'static [Self] = &[Self::Canvas, Self::Exact, Self::Contact];
-
-    /// The name that scene files and the command line use.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Canvas => "canvas",
-            Self::Exact => "exact",
-            Self::Contact => "contact",
-        }
-    }
-
-    fn engine(self, world: &World, balls: &[Ball], tuning: Tuning) -> Box<dyn Advance> {
-        match self {
-            Self::Canvas => Box::new(Canvas::new(world, balls)),
-            Self::Exact => Box::new(Exact::new(world, balls, tuning.rest_speed)),
-            Self::Contact => Box::new(Contact::new(world, balls, tuning)),
-        }
-    }
-}
-
-impl fmt::Display for Solver {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-/// A name that no solver has.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct UnknownSolver(String);
-
-impl FromStr for Solver {
-    type Err = UnknownSolver;
-
-    fn from_str(name: &str) -> Result<Self, UnknownSolver> {
-        let found = Self::ALL.iter().find(|solver| solver.name() == name);
-        found.copied().ok_or_else(|| UnknownSolver(name.to_owned()))
-    }
-}
-
-impl fmt::Display for UnknownSolver {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<_> = Solver::ALL.iter().map(|solver| solver.name()).collect();
-        write!(f, "there is no solver \"{}\" in this version; choose from: {}", self.0, names.join(", "))
-    }
-}
-
-impl std::error::Error for UnknownSolver {}
-
-impl Part {
-    /// The parts that move single balls.
-    fn of_motion(world: &World) -> Vec<Self> {
-        let parts = [
-            (true, Self::Motion),
-            (world.gravity.is_some(), Self::Gravity),
-            (world.walls.is_some(), Self::Walls),
-        ];
-        parts.into_iter().filter_map(|(runs, part)| runs.then_some(part)).collect()
-    }
-}
-
-impl fmt::Display for Part {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Motion => "motion",
-            Self::Gravity => "gravity",
-            Self::Walls => "walls",
-            Self::AllPairs => "all pairs",
-            Self::Grid => "grid",
-            Self::Events => "events",
-            Self::Impulse => "impulse",
-        })
-    }
 }
 
 impl fmt::Display for BuildError {
