@@ -125,42 +125,52 @@ struct BallTable {
     wide: Option<bool>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table: [[fill]]")]
-struct FillTable {
-    count: Spanned<Count>,
-    radius: Spanned<Interval>,
-    speed: Option<Spanned<Interval>>,
-    density: Option<Spanned<Number>>,
-    mass: Option<Spanned<Number>>,
-    restitution: Option<Spanned<Number>>,
-    seed: Option<Count>,
-    region: Option<Spanned<Corners>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table: [rain]")]
-struct RainTable {
-    rate: Spanned<Number>,
-    radius: Spanned<Interval>,
-    speed: Option<Spanned<Interval>>,
-    density: Option<Spanned<Number>>,
-    mass: Option<Spanned<Number>>,
-    restitution: Option<Spanned<Number>>,
-    seed: Option<Count>,
-    region: Option<Spanned<Corners>>,
-}
-
 /// What a fill and rain have in common.
 struct RandomBalls<'a> {
     radius: &'a Spanned<Interval>,
-    speed: &'a Option<Spanned<Interval>>,
-    density: &'a Option<Spanned<Number>>,
-    mass: &'a Option<Spanned<Number>>,
-    restitution: &'a Option<Spanned<Number>>,
-    seed: &'a Option<Count>,
-    region: &'a Option<Spanned<Corners>>,
+    speed: Option<&'a Spanned<Interval>>,
+    density: Option<&'a Spanned<Number>>,
+    mass: Option<&'a Spanned<Number>>,
+    restitution: Option<&'a Spanned<Number>>,
+    seed: Option<&'a Count>,
+    region: Option<&'a Spanned<Corners>>,
 }
+
+/// A table of random balls, with one key of its own. (Serde's `flatten` would neither refuse unknown keys nor know where
+/// a value stands.)
+macro_rules! random_balls {
+    ($table:ident, $expecting:literal, $own:ident: $type:ty) => {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields, expecting = $expecting)]
+        struct $table {
+            $own: Spanned<$type>,
+            radius: Spanned<Interval>,
+            speed: Option<Spanned<Interval>>,
+            density: Option<Spanned<Number>>,
+            mass: Option<Spanned<Number>>,
+            restitution: Option<Spanned<Number>>,
+            seed: Option<Count>,
+            region: Option<Spanned<Corners>>,
+        }
+
+        impl $table {
+            fn balls(&self) -> RandomBalls<'_> {
+                RandomBalls {
+                    radius: &self.radius,
+                    speed: self.speed.as_ref(),
+                    density: self.density.as_ref(),
+                    mass: self.mass.as_ref(),
+                    restitution: self.restitution.as_ref(),
+                    seed: self.seed.as_ref(),
+                    region: self.region.as_ref(),
+                }
+            }
+        }
+    };
+}
+
+random_balls!(FillTable, "a table: [[fill]]", count: Count);
+random_balls!(RainTable, "a table: [rain]", rate: Number);
 
 impl File {
     fn into_scene(self, origin: &str) -> Result<Scene, At> {
@@ -271,18 +281,14 @@ impl FillTable {
         let count = usize::try_from(count).ok().filter(|&count| count <= MAX_BALLS).ok_or_else(|| {
             at(self.count.span(), format!("count is {count}; a simulation takes at most {MAX_BALLS} balls"))
         })?;
-        let Self { radius, speed, density, mass, restitution, seed, region, .. } = self;
-        let balls = RandomBalls { radius, speed, density, mass, restitution, seed, region };
-        Ok(Fill { count, offset: Some(offset), ..balls.fill(size)? })
+        Ok(Fill { count, offset: Some(offset), ..self.balls().fill(size)? })
     }
 }
 
 impl RainTable {
     fn rain(&self, size: DVec2) -> Result<Rain, At> {
         let rate = self.rate.checked(|Number(rate)| RAIN_RATE.check(rate))?;
-        let Self { radius, speed, density, mass, restitution, seed, region, .. } = self;
-        let balls = RandomBalls { radius, speed, density, mass, restitution, seed, region };
-        Ok(Rain::new(balls.fill(size)?, rate))
+        Ok(Rain::new(self.balls().fill(size)?, rate))
     }
 }
 
@@ -302,15 +308,15 @@ impl RandomBalls<'_> {
                 ));
             }
             (None, Some(mass)) => Material::Mass(mass.checked(|Number(mass)| MASS.check(mass))?),
-            (density, None) => Material::Density(optional(density.as_ref(), &DENSITY, 1.0)?),
+            (density, None) => Material::Density(optional(density, &DENSITY, 1.0)?),
         };
-        let restitution = optional(self.restitution.as_ref(), &RESTITUTION, 1.0)?;
+        let restitution = optional(self.restitution, &RESTITUTION, 1.0)?;
         let region = match self.region {
             None => None,
             Some(region) => Some(region.checked(|corners| corners.check(size, radius.1))?),
         };
         check_width(self.radius.span(), radius.1, size)?;
-        let seed = self.seed.as_ref().map_or(SEED_DEFAULT, |seed| seed.0);
+        let seed = self.seed.map_or(SEED_DEFAULT, |seed| seed.0);
         Ok(Fill { count: 0, radius, speed, material, restitution, seed, region, offset: None })
     }
 }

@@ -55,6 +55,7 @@ mod error;
 mod file;
 mod fill;
 mod listing;
+mod places;
 mod rain;
 mod values;
 mod write;
