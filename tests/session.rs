@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use carom::session::{Change, Command, CommandError, Replay, STEP, Session};
+use carom::session::{Change, Command, CommandError, Replay, STEP, Session, Working};
 use carom::{Ball, DVec2, Scene, Solver};
 use proptest::prelude::*;
 
@@ -365,4 +365,92 @@ fn one_goes_back_to_before_the_window_had_its_size_and_on_again() {
     }
     assert!(!session.is_in_the_past());
     assert_eq!(session.simulation().world().size(), small);
+}
+
+#[test]
+fn hundreds_of_times_a_hundred_balls_are_as_many_as_find_room_and_time_goes_on() {
+    let scene = Scene::load("elastic").unwrap().with_size(DVec2::new(240.0, 160.0)).unwrap();
+    let mut session = Session::new(&scene, 1).unwrap();
+    session.advance(0.0).unwrap();
+    let mut refused = 0;
+    for _ in 0..300 {
+        if let Err(error) = session.apply(Change::AddRandom(100).into()) {
+            assert!(matches!(error, CommandError::NoRoom { count: 100, .. }), "{error}");
+            refused += 1;
+        }
+    }
+    let count = balls(&session).len();
+    assert!(refused > 200 && (20..2_000).contains(&count), "{refused} refused, {count} balls");
+    session.advance(STEP).unwrap();
+    assert_eq!(session.simulation().time(), STEP);
+    session.apply(Change::Reset.into()).unwrap();
+    assert_eq!(balls(&session).len(), 15);
+}
+
+#[test]
+fn a_step_to_the_next_impact_that_is_looked_for_bit_by_bit_is_the_same_step() {
+    let mut session = session("elastic", Solver::Exact);
+    session.advance(0.0).unwrap();
+    session.apply(Command::TogglePause).unwrap();
+    let mut other = self::session("elastic", Solver::Exact);
+    other.advance(0.0).unwrap();
+    other.apply(Command::TogglePause).unwrap();
+    for _ in 0..5 {
+        let before = balls(&session);
+        session.apply_while(Command::StepToImpact, || false).unwrap();
+        let mut parts = 0;
+        while session.working() == Some(Working::Impact) {
+            session.advance(STEP).unwrap();
+            assert_eq!(balls(&session), before, "time stands still meanwhile");
+            session.work_while(|| false).unwrap();
+            parts += 1;
+        }
+        assert!(parts > 10, "{parts}");
+        session.advance(STEP).unwrap();
+        other.apply(Command::StepToImpact).unwrap();
+        other.advance(STEP).unwrap();
+        assert_eq!(balls(&session), balls(&other));
+    }
+    // Given up, it is as if it had not been asked for.
+    let before = balls(&session);
+    session.apply_while(Command::StepToImpact, || false).unwrap();
+    session.stop_working();
+    session.advance(STEP).unwrap();
+    assert!(balls(&session) == before && !session.is_moving());
+    // Another command waits for it.
+    session.apply_while(Command::StepToImpact, || false).unwrap();
+    session.apply(Command::Slower).unwrap();
+    assert!(session.working().is_none() && session.is_moving());
+}
+
+#[test]
+fn a_step_back_that_is_gone_bit_by_bit_shows_the_old_frame_until_it_is_there() {
+    let mut session = session("gravity", Solver::Exact);
+    let mut shown = Vec::new();
+    for _ in 0..60 {
+        session.advance(STEP).unwrap();
+        shown.push(balls(&session));
+    }
+    session.apply(Command::TogglePause).unwrap();
+    session.apply_while(Command::Back, || false).unwrap();
+    let mut parts = 0;
+    while session.working() == Some(Working::Back) {
+        assert_eq!(balls(&session), shown[59]);
+        assert!(!session.is_in_the_past());
+        session.work_while(|| false).unwrap();
+        parts += 1;
+    }
+    assert!(parts > 10 && balls(&session) == shown[58], "{parts}");
+    // Held, too: no more than there is time for, and nothing is left out.
+    session.apply(Command::TogglePause).unwrap();
+    let mut left = 0;
+    while balls(&session) != shown[40] {
+        let mut looks = 3;
+        assert!(session.rewind_while(STEP, || {
+            looks -= 1;
+            looks > 0
+        }));
+        left += 1;
+        assert!(left < 2_000, "it does go back");
+    }
 }

@@ -6,8 +6,6 @@ use crate::simulation::{Ball, Simulation, Solver};
 
 /// The first look ahead for an impact, s; each next one is twice as long.
 const FIRST_LOOK: f64 = 1.0 / 1024.0;
-/// The most looks ahead: where they are cut short, as between thousands of balls, they reach less far.
-const MOST_LOOKS: u32 = 100;
 /// How well the time of an impact is found, s: half as well as frames are shown.
 const IMPACT_KNOWN: f64 = 1.0 / (1_u64 << 47) as f64;
 /// The path of a throw is shown for so long, s, in so many parts.
@@ -18,42 +16,87 @@ const MOST_IN_PATH: usize = 500;
 /// Looks at the watch in the search for a path: where balls are too crowded for it, the path ends early.
 const PATH_LOOKS: u32 = 64;
 
-/// The seconds until just behind the next impact; `None` where there is none for `most` seconds. Where that takes too long
-/// to find out, the seconds up to which there is none.
-pub(super) fn next_impact(simulation: &Simulation, most: f64) -> Option<f64> {
-    let met = |other: &Simulation| {
-        let (before, now) = (simulation.tally(), other.tally());
-        (before.impacts, before.wall_hits) != (now.impacts, now.wall_hits)
-    };
-    // By the first look at the watch something may have met: in a jam, thousands of impacts are in a moment.
-    let ahead_of = |here: &Simulation, seconds: f64| {
-        let mut ahead = here.clone();
-        let done = ahead.advance_while(seconds, || false).ok()?;
-        Some((ahead, done))
-    };
-    let (mut here, mut passed, mut look) = (simulation.clone(), 0.0, FIRST_LOOK);
-    for _ in 0..MOST_LOOKS {
-        let (ahead, done) = ahead_of(&here, look)?;
-        if met(&ahead) {
-            let (mut low, mut high) = (0.0, done);
-            while high - low > IMPACT_KNOWN {
-                let middle = low.midpoint(high);
-                if met(&ahead_of(&here, middle)?.0) {
-                    high = middle;
-                } else {
-                    low = middle;
-                }
-            }
-            return Some(passed + high + IMPACT_KNOWN);
+/// The search for the next impact, on copies, as far as it has come.
+#[derive(Debug)]
+pub(super) struct Search {
+    /// No impact before it; `passed` seconds from the start.
+    here: Simulation,
+    passed: f64,
+    /// On its way from `here` to `target` seconds behind it, with `left` seconds to go.
+    ahead: Simulation,
+    target: f64,
+    left: f64,
+    /// Seconds behind `here` between which the impact is, once one was seen.
+    between: Option<(f64, f64)>,
+}
+
+/// What a search has come to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Found {
+    /// The impact is just before so many seconds have passed.
+    After(f64),
+    /// There is none as far ahead as was looked.
+    Nothing,
+    /// Nothing yet: there was no time to look on.
+    Unknown,
+}
+
+impl Search {
+    pub(super) fn new(simulation: &Simulation) -> Self {
+        Self {
+            here: simulation.clone(),
+            passed: 0.0,
+            ahead: simulation.clone(),
+            target: FIRST_LOOK,
+            left: FIRST_LOOK,
+            between: None,
         }
-        here = ahead;
-        passed += done;
-        if passed >= most {
-            return None;
-        }
-        look *= 2.0;
     }
-    Some(passed)
+
+    /// Looks on, up to `most` seconds ahead, for as long as `go_on` says so.
+    pub(super) fn go_on(&mut self, most: f64, go_on: &mut dyn FnMut() -> bool) -> Found {
+        loop {
+            // No farther than to the first look at the watch: in a jam there are thousands of impacts in a moment.
+            let Ok(done) = self.ahead.advance_while(self.left, || false) else { return Found::Nothing };
+            let arrived = done == self.left;
+            self.left -= done;
+            if self.has_met() {
+                let low = self.between.map_or(0.0, |(low, _)| low);
+                self.between = Some((low, self.target - self.left));
+            } else if !arrived {
+                if !go_on() {
+                    return Found::Unknown;
+                }
+                continue;
+            } else if let Some((low, _)) = &mut self.between {
+                *low = self.target;
+            } else {
+                self.passed += self.target;
+                if self.passed >= most {
+                    return Found::Nothing;
+                }
+                // `here` goes on from there; `ahead` is made anew from it.
+                std::mem::swap(&mut self.here, &mut self.ahead);
+            }
+            self.target = match self.between {
+                Some((low, high)) if high - low <= IMPACT_KNOWN => {
+                    return Found::After(self.passed + high + IMPACT_KNOWN);
+                }
+                Some((low, high)) => low.midpoint(high),
+                None => 2.0 * self.target,
+            };
+            self.left = self.target;
+            self.ahead.clone_from(&self.here);
+            if !go_on() {
+                return Found::Unknown;
+            }
+        }
+    }
+
+    fn has_met(&self) -> bool {
+        let (before, now) = (self.here.tally(), self.ahead.tally());
+        (before.impacts, before.wall_hits) != (now.impacts, now.wall_hits)
+    }
 }
 
 /// Where a ball that is added now will fly, px, from its centre on: exactly, with its first impacts.
@@ -95,21 +138,48 @@ mod tests {
         Simulation::new(world, vec![ball], Solver::Exact).unwrap()
     }
 
+    fn found(simulation: &Simulation) -> f64 {
+        match Search::new(simulation).go_on(10.0, &mut || true) {
+            Found::After(seconds) => seconds,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_search_that_is_interrupted_finds_the_same() {
+        let simulation = boxed(1000.0);
+        let (mut search, mut looks) = (Search::new(&simulation), 0);
+        let found_bit_by_bit = loop {
+            // Each time there is time for one look at the watch, and no more.
+            let mut left = 2;
+            let found = search.go_on(10.0, &mut || {
+                left -= 1;
+                left > 0
+            });
+            looks += 1;
+            if found != Found::Unknown {
+                break found;
+            }
+        };
+        assert!(looks > 10, "{looks}");
+        assert_eq!(found_bit_by_bit, Found::After(found(&simulation)));
+    }
+
     #[test]
     fn the_next_impact_is_found_where_free_fall_ends() {
         let mut simulation = boxed(1000.0);
-        let seconds = next_impact(&simulation, 10.0).unwrap();
+        let seconds = found(&simulation);
         let fall = (2.0_f64 * 100.0 / 1000.0).sqrt();
         assert!((seconds - fall).abs() < 1e-13, "{seconds} for {fall}");
         simulation.advance(seconds).unwrap();
         assert_eq!(simulation.tally().wall_hits, 1);
-        let again = next_impact(&simulation, 10.0).unwrap();
+        let again = found(&simulation);
         assert!((again - 2.0 * fall).abs() < 1e-12);
     }
 
     #[test]
     fn where_nothing_moves_there_is_no_impact() {
-        assert_eq!(next_impact(&boxed(0.0), 10.0), None);
+        assert_eq!(Search::new(&boxed(0.0)).go_on(10.0, &mut || true), Found::Nothing);
     }
 
     #[test]

@@ -9,7 +9,8 @@
 //! - `tape`: what happened, and the way back;
 //! - `truth`: the same balls, moved by the exact solver;
 //! - `foresight`: when balls next meet, and where a throw will go;
-//! - `replay`: a tape as a file.
+//! - `replay`: a tape as a file;
+//! - `work`: what takes long, done a bit in each frame.
 
 mod command;
 mod foresight;
@@ -20,6 +21,7 @@ mod tape;
 #[cfg(test)]
 mod tests;
 mod truth;
+mod work;
 
 use std::collections::VecDeque;
 
@@ -30,6 +32,8 @@ use pace::Pace;
 pub use replay::{Replay, ReplayError};
 use state::State;
 use tape::{Entry, Frame, Tape};
+use work::Work;
+pub use work::Working;
 
 use crate::scene::{self, Scene, SceneError};
 use crate::simulation::{Ball, Simulation, Solver};
@@ -44,8 +48,6 @@ pub const LONGEST_FRAME: f64 = 0.1;
 pub const STEP: f64 = 1.0 / 60.0;
 /// The radius of a ball that a click adds where there is room and nothing else is said, px.
 pub const CLICK_RADIUS: f64 = 20.0;
-/// How far a step to the next impact looks ahead, s.
-const LOOK_AHEAD: f64 = 10.0;
 /// Frames of a tape that are due but for this, s, are due.
 const ROUNDING: f64 = 1e-9;
 /// Balls smaller than this, px, are as easy to point at as if they were as large.
@@ -68,6 +70,8 @@ pub struct Session {
     pace: Pace,
     /// Simulated seconds of the tape that are due, where it is played again; negative where it is ahead, s.
     due: f64,
+    /// What was asked for and takes longer than a frame.
+    work: Option<Work>,
 }
 
 impl Session {
@@ -88,6 +92,7 @@ impl Session {
             time_scale: 1.0,
             pace: Pace::default(),
             due: 0.0,
+            work: None,
         })
     }
 
@@ -133,10 +138,10 @@ impl Session {
         self.paused
     }
 
-    /// Whether a frame now would move anything: time runs, or single steps are still to be taken.
+    /// Whether a frame now would move anything: time runs, or something that was asked for is still to be done.
     #[must_use]
     pub fn is_moving(&self) -> bool {
-        !self.paused || !self.steps.is_empty()
+        !self.paused || !self.steps.is_empty() || self.is_working()
     }
 
     /// Whether frames were cut short, so that time runs slower than it should. Stays so until a second of frames has
@@ -181,7 +186,7 @@ impl Session {
 
     /// A frame as [`advance`](Self::advance) takes it, which is cut short where `go_on` says no: then the time that is
     /// left is not simulated, the session [is behind](Self::is_behind), and the next frame goes on from there. What is
-    /// left of a single step is left for the next frame.
+    /// left of a single step is left for the next frame. While a session [is working](Self::is_working), time stands still.
     ///
     /// # Errors
     /// [`OutOfRange`](crate::OutOfRange) where `measured` is negative or not a number.
@@ -191,6 +196,9 @@ impl Session {
         mut go_on: impl FnMut() -> bool,
     ) -> Result<(), crate::OutOfRange> {
         let measured = crate::simulation::limits::DELTA.check(measured)?.min(LONGEST_FRAME);
+        if self.is_working() {
+            return Ok(());
+        }
         if self.is_in_the_past() {
             self.play_again(measured, &mut go_on);
             Ok(())
@@ -246,31 +254,6 @@ impl Session {
         }
     }
 
-    /// Goes back through what was seen in the last `measured` seconds, scaled by the time scale; whether there was
-    /// anything. No more than [`LONGEST_FRAME`] count.
-    pub fn rewind(&mut self, measured: f64) -> bool {
-        // What is not a number goes back by nothing.
-        self.due -= measured.clamp(0.0, LONGEST_FRAME).max(0.0) * self.time_scale;
-        while self.due < -ROUNDING {
-            let left = self.tape.left();
-            if !self.back() {
-                self.due = 0.0;
-                return false;
-            }
-            self.due += self.tape.left() - left;
-        }
-        true
-    }
-
-    /// Goes back by a frame, or to before the changes since; whether there was one.
-    fn back(&mut self) -> bool {
-        let Some(state) = self.tape.back() else { return false };
-        self.state = state;
-        self.steps.clear();
-        self.pace = Pace::default();
-        true
-    }
-
     /// Makes the world `size` px large, as far as its balls allow. Costs nothing where it was asked for before. In the past
     /// the world stays as it was then: whoever owns a window says its size in each frame, and that puts nothing else in
     /// the place of what was played.
@@ -278,7 +261,7 @@ impl Session {
     /// # Errors
     /// [`CommandError`] where no world may have this size.
     pub fn resize(&mut self, size: DVec2) -> Result<(), CommandError> {
-        if size == self.state.size() || self.is_in_the_past() {
+        if size == self.state.size() || self.is_in_the_past() || self.is_working() {
             Ok(())
         } else {
             self.change(Change::Resize(size))
@@ -327,6 +310,21 @@ impl Session {
     /// # Errors
     /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
     pub fn apply(&mut self, command: Command) -> Result<(), CommandError> {
+        self.apply_while(command, || true)
+    }
+
+    /// Does what a command says. Of what may take long, [`StepToImpact`](Command::StepToImpact) and
+    /// [`Back`](Command::Back), only as much as `go_on` lets it; [`work_while`](Self::work_while) goes on with it, and so
+    /// does the next command.
+    ///
+    /// # Errors
+    /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
+    pub fn apply_while(
+        &mut self,
+        command: Command,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Result<(), CommandError> {
+        self.work_on(&mut || true)?;
         match command {
             Command::TogglePause => {
                 self.paused = !self.paused;
@@ -334,10 +332,9 @@ impl Session {
                 self.due = 0.0;
             }
             Command::Step => self.step(STEP),
-            Command::StepToImpact => self.step_to_impact()?,
+            Command::StepToImpact => self.step_to_impact(),
             Command::Back => {
-                self.due = 0.0;
-                if !self.back() {
+                if !self.begin_back() {
                     return Err(CommandError::NoEarlier);
                 }
             }
@@ -351,7 +348,7 @@ impl Session {
             Command::ToggleComparison => self.change(Change::Compare(self.state.truth.is_none()))?,
             Command::Change(change) => self.change(change)?,
         }
-        Ok(())
+        self.work_on(&mut go_on)
     }
 
     fn change(&mut self, change: Change) -> Result<(), CommandError> {
@@ -370,19 +367,6 @@ impl Session {
         if self.paused {
             self.steps.push_back(seconds);
         }
-    }
-
-    fn step_to_impact(&mut self) -> Result<(), CommandError> {
-        if !self.paused || self.state.solver() != Solver::Exact || self.is_in_the_past() {
-            self.step(STEP);
-            return Ok(());
-        }
-        // One at a time: where the next step begins is not known before the last has been taken.
-        if self.steps.is_empty() {
-            let seconds = foresight::next_impact(self.simulation(), LOOK_AHEAD);
-            self.step(seconds.ok_or(CommandError::NoImpact(LOOK_AHEAD))?);
-        }
-        Ok(())
     }
 
     fn reseed(&mut self) -> Result<(), CommandError> {

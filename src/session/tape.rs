@@ -202,46 +202,78 @@ impl Tape {
         }
     }
 
-    /// The state at the end of the frame before the present, or before the changes since; the present is there then.
-    /// `None` where there is none that can be had.
-    pub(super) fn back(&mut self) -> Option<State> {
+    /// The way to the end of the frame before the present, or to before the changes since. `None` where there is none that
+    /// can be had.
+    pub(super) fn back(&mut self) -> Option<Way> {
         let oldest = self.keys.front()?.at;
         let frames = (oldest..self.at).rev().filter(|&at| at > self.first);
         let mut ends = frames.filter(|&at| self.entries[at - 1 - self.first].is_frame());
         let to = ends.next()?;
-        self.at = to;
-        Some(self.state_at(to))
+        Some(self.way(to))
     }
 
-    /// The state at a place that is not before the first key.
-    fn state_at(&mut self, place: usize) -> State {
-        let before = |key: &&Key| key.at <= place;
+    /// The way to a place that is not before the first key: from the key before it.
+    fn way(&mut self, to: usize) -> Way {
+        let before = |key: &&Key| key.at <= to;
         let coarse = self.keys.iter().rev().find(before);
         let fine = self.fine.iter().filter(before).max_by_key(|key| key.at);
-        let nearest = coarse.into_iter().chain(fine).max_by_key(|key| key.at);
-        let Some(nearest) = nearest else { return self.keys[0].state.clone() };
-        let (from, mut state) = (nearest.at, nearest.state.clone());
-        // Keys on the way, as many as there are entries between two of them: going on backwards costs as little.
-        let gap = ((place - from) as f64).sqrt().ceil().max(1.0) as usize;
-        let most = MOST_BYTES / FINE_PART / state.bytes();
-        if place - from > SPACING / 4 {
+        let nearest = coarse.into_iter().chain(fine).max_by_key(|key| key.at).unwrap_or(&self.keys[0]);
+        let (from, state) = (nearest.at, nearest.state.clone());
+        if to - from > SPACING / 4 {
             self.fine.clear();
         }
-        for at in from..place {
-            self.entries[at - self.first].repeat(&mut state);
-            let done = at + 1 - from;
-            if done.is_multiple_of(gap) && at + 1 < place && self.fine.len() < most {
-                self.fine.push(Key { at: at + 1, watched: 0.0, state: state.clone() });
+        Way { from, at: from, to, state }
+    }
+
+    /// Goes a way for as long as `go_on` says so, at least by one entry; whether it is at its end, where the present is
+    /// then.
+    pub(super) fn go(&mut self, way: &mut Way, go_on: &mut dyn FnMut() -> bool) -> bool {
+        // Keys on the way, as many as there are entries between two of them: going on backwards costs as little.
+        let gap = ((way.to - way.from) as f64).sqrt().ceil().max(1.0) as usize;
+        let most = MOST_BYTES / FINE_PART / way.state.bytes();
+        while way.at < way.to {
+            self.entries[way.at - self.first].repeat(&mut way.state);
+            way.at += 1;
+            let done = way.at - way.from;
+            if done.is_multiple_of(gap) && way.at < way.to && self.fine.len() < most {
+                self.fine.push(Key { at: way.at, watched: 0.0, state: way.state.clone() });
+            }
+            if way.at < way.to && !go_on() {
+                return false;
             }
         }
-        state
+        self.at = way.to;
+        true
     }
+}
+
+/// On the way back to a place on a tape, from a key before it.
+#[derive(Debug)]
+pub(super) struct Way {
+    from: usize,
+    at: usize,
+    to: usize,
+    /// The state at `at`.
+    pub(super) state: State,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::Scene;
+
+    /// The state a frame before, and the present there.
+    fn back(tape: &mut Tape) -> Option<State> {
+        let mut way = tape.back()?;
+        assert!(tape.go(&mut way, &mut || true));
+        Some(way.state)
+    }
+
+    fn going(tape: &mut Tape, to: usize) -> State {
+        let mut way = tape.way(to);
+        assert!(tape.go(&mut way, &mut || true));
+        way.state
+    }
 
     fn recorded(frames: usize) -> (Tape, State, Vec<Vec<crate::Ball>>) {
         let mut state = State::new(&Scene::load("gravity").unwrap(), 1).unwrap();
@@ -259,11 +291,11 @@ mod tests {
     fn going_back_shows_every_frame_again_to_the_first() {
         let (mut tape, _, shown) = recorded(300);
         for expected in shown.iter().rev().skip(1) {
-            assert_eq!(tape.back().unwrap().simulation.balls(), expected);
+            assert_eq!(back(&mut tape).unwrap().simulation.balls(), expected);
         }
         // The state before the first frame is no frame.
-        assert!(tape.back().is_none());
-        let mut state = tape.state_at(1);
+        assert!(back(&mut tape).is_none());
+        let mut state = going(&mut tape, 1);
         for expected in &shown[1..] {
             tape.play(&mut state);
             assert_eq!(state.simulation.balls(), expected);
@@ -272,19 +304,38 @@ mod tests {
     }
 
     #[test]
+    fn a_way_back_that_is_gone_bit_by_bit_ends_in_the_same_state() {
+        let (mut tape, _, shown) = recorded(100);
+        for _ in 0..30 {
+            back(&mut tape);
+        }
+        // From the key at 64 to 69, by an entry each time.
+        let mut way = tape.back().unwrap();
+        tape.fine.clear();
+        way = Way { state: tape.keys[1].state.clone(), from: 64, at: 64, to: way.to };
+        let mut parts = 1;
+        while !tape.go(&mut way, &mut || false) {
+            assert_eq!(tape.at, 70, "the present stays until the way is gone");
+            parts += 1;
+        }
+        assert_eq!((parts, tape.at), (5, 69));
+        assert_eq!(way.state.simulation.balls(), shown[68]);
+    }
+
+    #[test]
     fn what_happens_in_the_past_takes_the_place_of_what_came_after_it() {
         let (mut tape, _, shown) = recorded(100);
         for _ in 0..40 {
-            tape.back();
+            back(&mut tape);
         }
         assert!((tape.left() - 40.0 / 60.0).abs() < 1e-9);
-        let mut state = tape.state_at(60);
+        let mut state = going(&mut tape, 60);
         state.apply(Change::RemoveLast).unwrap();
         tape.add(Entry::Change(Box::new(Change::RemoveLast)), 0.0, &state);
         assert_eq!((tape.left(), tape.whole().unwrap().count()), (0.0, 61));
         // Taking a change back is a step of its own.
-        assert_eq!(tape.back().unwrap().simulation.balls(), shown[59]);
-        assert_eq!(tape.back().unwrap().simulation.balls(), shown[58]);
+        assert_eq!(back(&mut tape).unwrap().simulation.balls(), shown[59]);
+        assert_eq!(back(&mut tape).unwrap().simulation.balls(), shown[58]);
     }
 
     #[test]

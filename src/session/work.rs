@@ -1,0 +1,133 @@
+//! What takes long where there are many balls: going back in time, and finding the next impact. It is done a bit in each
+//! frame, so that whoever shows the frames can go on answering.
+
+use super::command::CommandError;
+use super::foresight::{Found, Search};
+use super::pace::Pace;
+use super::tape::Way;
+use super::{LONGEST_FRAME, ROUNDING, STEP, Session};
+use crate::simulation::Solver;
+
+/// How far a step to the next impact looks ahead, s.
+const LOOK_AHEAD: f64 = 10.0;
+
+/// What is being done.
+#[derive(Debug)]
+pub(super) enum Work {
+    /// Going back by a frame.
+    Back(Box<Way>),
+    /// Finding out how long a step to the next impact is.
+    Impact(Box<Search>),
+}
+
+/// What a session does that takes longer than a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Working {
+    /// It goes back in time.
+    Back,
+    /// It looks for the next impact.
+    Impact,
+}
+
+impl Session {
+    /// What was asked for and is not done yet; [`work_while`](Self::work_while) goes on with it, and until then time stands
+    /// still.
+    #[must_use]
+    pub fn working(&self) -> Option<Working> {
+        self.work.as_ref().map(|work| match work {
+            Work::Back(_) => Working::Back,
+            Work::Impact(_) => Working::Impact,
+        })
+    }
+
+    /// Whether something that was asked for is not done yet.
+    #[must_use]
+    pub fn is_working(&self) -> bool {
+        self.work.is_some()
+    }
+
+    /// Gives up what is not done yet: all is as if it had not been asked for.
+    pub fn stop_working(&mut self) {
+        self.work = None;
+        self.due = 0.0;
+    }
+
+    /// Goes on with what is not done yet, for as long as `go_on` says so.
+    ///
+    /// # Errors
+    /// [`CommandError::NoImpact`] where a step to the next impact finds none.
+    pub fn work_while(&mut self, mut go_on: impl FnMut() -> bool) -> Result<(), CommandError> {
+        self.work_on(&mut go_on)
+    }
+
+    /// Goes back through what was seen in the last `measured` seconds, scaled by the time scale; whether there was
+    /// anything. No more than [`LONGEST_FRAME`] count.
+    pub fn rewind(&mut self, measured: f64) -> bool {
+        self.rewind_while(measured, || true)
+    }
+
+    /// Goes back as [`rewind`](Self::rewind) does for as long as `go_on` says so; the next call goes on from there.
+    pub fn rewind_while(&mut self, measured: f64, mut go_on: impl FnMut() -> bool) -> bool {
+        if self.is_working() {
+            // The time that this takes is not gone back. Going back does not fail.
+            let _ = self.work_on(&mut go_on);
+        } else {
+            // What is not a number goes back by nothing.
+            self.due -= measured.clamp(0.0, LONGEST_FRAME).max(0.0) * self.time_scale;
+        }
+        while !self.is_working() && self.due < -ROUNDING && go_on() {
+            let due = self.due;
+            if !self.begin_back() {
+                return false;
+            }
+            self.due = due;
+            let _ = self.work_on(&mut go_on);
+        }
+        true
+    }
+
+    /// Begins to go back by a frame, or to before the changes since; whether there is one.
+    pub(super) fn begin_back(&mut self) -> bool {
+        self.due = 0.0;
+        let way = self.tape.back();
+        let found = way.is_some();
+        self.work = way.map(|way| Work::Back(Box::new(way)));
+        found
+    }
+
+    /// While paused: steps to just behind the next impact, or by a frame where that cannot be known.
+    pub(super) fn step_to_impact(&mut self) {
+        if !self.is_paused() || self.simulation().solver() != Solver::Exact || self.is_in_the_past() {
+            self.step(STEP);
+        } else if self.steps.is_empty() {
+            // One at a time: where the next step begins is not known before the last has been taken.
+            self.work = Some(Work::Impact(Box::new(Search::new(self.simulation()))));
+        }
+    }
+
+    pub(super) fn work_on(&mut self, go_on: &mut dyn FnMut() -> bool) -> Result<(), CommandError> {
+        match self.work.take() {
+            None => {}
+            Some(Work::Back(mut way)) => {
+                let left = self.tape.left();
+                if self.tape.go(&mut way, go_on) {
+                    // Held back time: what was gone is no longer due.
+                    if self.due < 0.0 {
+                        self.due += self.tape.left() - left;
+                    }
+                    self.state = way.state;
+                    self.steps.clear();
+                    self.pace = Pace::default();
+                } else {
+                    self.work = Some(Work::Back(way));
+                }
+            }
+            Some(Work::Impact(mut search)) => match search.go_on(LOOK_AHEAD, go_on) {
+                Found::After(seconds) => self.step(seconds),
+                Found::Nothing => return Err(CommandError::NoImpact(LOOK_AHEAD)),
+                Found::Unknown => self.work = Some(Work::Impact(search)),
+            },
+        }
+        Ok(())
+    }
+}
