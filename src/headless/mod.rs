@@ -23,6 +23,8 @@ pub use frames::{Frames, FramesError};
 pub use output::{Output, OutputError};
 pub use summary::Summary;
 use summary::{Watched, energy};
+#[cfg(feature = "window")]
+pub(crate) use unfinished::Unfinished;
 pub use unfinished::discard_unfinished;
 
 use crate::paint::{self, Animation, AnimationError, Painter, PictureTooLarge};

@@ -33,7 +33,7 @@ pub fn discard_unfinished() {
 
 /// A file that is not in its place yet. Dropped, it is removed.
 #[derive(Debug)]
-pub(super) struct Unfinished {
+pub(crate) struct Unfinished {
     /// There until it is put into its place, or dropped.
     file: Option<NamedTempFile>,
 }
@@ -41,6 +41,16 @@ pub(super) struct Unfinished {
 impl Unfinished {
     /// Begins a file that is to replace the one at `path`, if there is any, in `folder`, which is where that is.
     pub(super) fn beside(path: &Path, folder: &Path) -> io::Result<Self> {
+        let file = Self::in_folder(folder)?;
+        if let Ok(replaced) = fs::metadata(path) {
+            // What others may not read, they still may not.
+            file.file().as_file().set_permissions(replaced.permissions())?;
+        }
+        Ok(file)
+    }
+
+    /// Begins a file in a folder; empty for the current one.
+    pub(crate) fn in_folder(folder: &Path) -> io::Result<Self> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".carom-");
         #[cfg(unix)]
@@ -50,21 +60,34 @@ impl Unfinished {
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         let mut unfinished = unfinished();
+        // What the system said, without the temporary name that it said it of.
         let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
         unfinished.push(file.path().to_owned());
-        drop(unfinished);
-        let file = Self { file: Some(file) };
-        if let Ok(replaced) = fs::metadata(path) {
-            // What others may not read, they still may not.
-            file.file().as_file().set_permissions(replaced.permissions())?;
-        }
-        Ok(file)
+        Ok(Self { file: Some(file) })
     }
 
     /// Puts the file into its place.
     pub(super) fn persist(mut self, path: &Path) -> io::Result<()> {
         let Some(file) = self.file.take() else { return Ok(()) };
         leave(file, |file| file.persist(path).map(drop).map_err(|error| error.error))
+    }
+
+    /// Puts the file into a place where there is none; where there is one, it is as unfinished as before.
+    #[cfg_attr(not(feature = "window"), expect(dead_code, reason = "only the window names files by itself"))]
+    pub(crate) fn persist_new(mut self, path: &Path) -> Result<(), (Self, io::Error)> {
+        let Some(file) = self.file.take() else { return Ok(()) };
+        let mut unfinished = unfinished();
+        let name = file.path().to_owned();
+        match file.persist_noclobber(path) {
+            Ok(_) => {
+                unfinished.retain(|path| *path != name);
+                Ok(())
+            }
+            Err(failed) => {
+                self.file = Some(failed.file);
+                Err((self, failed.error))
+            }
+        }
     }
 
     fn file(&self) -> &NamedTempFile {

@@ -1,20 +1,17 @@
 //! Files that the window leaves in the current folder: under the first free name, whole or not at all.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::{NamedTempFile, TempPath};
-
 use super::problem::SaveError;
+use crate::headless::Unfinished;
 
 /// The most characters of a scene's name in a file's: file systems take names of 255 bytes.
 const NAME_MOST: usize = 48;
 
 /// A file being written. It stands in a temporary one until [`finish`](Self::finish); dropped before, it leaves nothing.
 pub(super) struct NewFile {
-    file: BufWriter<File>,
-    temporary: TempPath,
+    file: BufWriter<Unfinished>,
     folder: PathBuf,
     stem: String,
     ending: &'static str,
@@ -26,8 +23,8 @@ impl NewFile {
         let scene: String = scene.chars().take(NAME_MOST).collect();
         let stem = format!("carom-{}", scene.replace(['/', '\\'], "-"));
         let folder = folder.to_owned();
-        match temporary_in(&folder) {
-            Ok((file, temporary)) => Ok(Self { file: BufWriter::new(file), temporary, folder, stem, ending }),
+        match Unfinished::in_folder(&folder) {
+            Ok(file) => Ok(Self { file: BufWriter::new(file), folder, stem, ending }),
             Err(source) => Err(SaveError::Io { path: numbered(&folder, &stem, 1, ending), source }),
         }
     }
@@ -36,15 +33,17 @@ impl NewFile {
     /// overwritten either.
     pub(super) fn finish(mut self) -> Result<PathBuf, SaveError> {
         self.flush().map_err(|source| self.error(source))?;
-        let Self { file, mut temporary, folder, stem, ending } = self;
-        drop(file);
+        let Self { file, folder, stem, ending } = self;
+        let first = numbered(&folder, &stem, 1, ending);
+        let mut file =
+            file.into_inner().map_err(|error| SaveError::Io { path: first, source: error.into_error() })?;
         let mut number = 1;
         loop {
             let path = numbered(&folder, &stem, number, ending);
-            match temporary.persist_noclobber(&path) {
+            match file.persist_new(&path) {
                 Ok(()) => return Ok(path),
-                Err(failed) if failed.error.kind() == io::ErrorKind::AlreadyExists => temporary = failed.path,
-                Err(failed) => return Err(SaveError::Io { path, source: failed.error }),
+                Err((unfinished, error)) if error.kind() == io::ErrorKind::AlreadyExists => file = unfinished,
+                Err((_, source)) => return Err(SaveError::Io { path, source }),
             }
             number += 1;
         }
@@ -80,19 +79,6 @@ impl Write for NewFile {
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
     }
-}
-
-fn temporary_in(folder: &Path) -> io::Result<(File, TempPath)> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".carom-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As any program's file: what the user's umask leaves of rw-rw-rw-, not the private mode of temporary files.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    // What the system said, without the temporary name that it said it of.
-    builder.tempfile_in(folder).map(NamedTempFile::into_parts).map_err(|error| error.kind().into())
 }
 
 #[cfg(test)]
