@@ -1,6 +1,8 @@
 //! The program: parse, run, print one error, set the exit code.
 
 mod cli;
+#[cfg(feature = "window")]
+mod panics;
 #[cfg(unix)]
 mod signals;
 
@@ -116,6 +118,7 @@ fn load(name: &str, start: &SceneArgs) -> Result<Scene, Failure> {
 #[cfg(feature = "window")]
 fn open_window(args: &WindowArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &args.start)?;
+    panics::watch();
     let options = carom::window::Options {
         fullscreen: args.fullscreen,
         paused: args.paused,

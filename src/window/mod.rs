@@ -5,8 +5,8 @@
 //! loop sleeps; where time runs but nothing looks other than before, nothing is painted or presented.
 //!
 //! - `app`: events, and the frame;
-//! - `create`, `screen`: the window, and the picture on its way to it;
-//! - `keys`, `hands`: what keys and the mouse ask for;
+//! - `create`, `screen`: the window, and the picture on its way to it, with `recovery` where that fails;
+//! - `keys`, `hands`: what keys and the mouse ask for, and `waiting`: what of it could not be done yet;
 //! - `overlay`, `messages`, `words`: what is shown and said over the balls;
 //! - `picture`, `record`, `files`: what is saved, and `watch`: what others save;
 //! - `clock`, `timings`: time as the window measures it.
@@ -22,13 +22,16 @@ mod overlay;
 mod picture;
 mod problem;
 mod record;
+mod recovery;
 mod screen;
 mod timings;
+mod waiting;
 mod watch;
 mod words;
 
 use std::io::{self, Write};
 
+use winit::error::EventLoopError;
 use winit::event_loop::{ControlFlow, EventLoop};
 
 use app::App;
@@ -77,7 +80,10 @@ pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
     })?;
     event_loop.set_control_flow(ControlFlow::Wait);
     let mut app = App::new(scene, options, session);
-    event_loop.run_app(&mut app).map_err(|error| WindowError::System(error.to_string()))?;
+    event_loop.run_app(&mut app).map_err(|error| match error {
+        EventLoopError::ExitFailure(_) => WindowError::DisplayGone,
+        error => WindowError::System(error.to_string()),
+    })?;
     let (timings, failure) = app.end();
     if let Some(timings) = timings {
         let _ = writeln!(io::stderr(), "{timings}");

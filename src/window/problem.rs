@@ -67,6 +67,20 @@ pub enum WindowError {
         /// What the graphics library said.
         reason: String,
     },
+    /// There is no graphics memory for the window.
+    #[error(
+        "there is no graphics memory left for a window of {width}x{height} px; close other programs, or give a smaller \
+         --size"
+    )]
+    GraphicsMemory {
+        /// Its width in pixels.
+        width: u32,
+        /// Its height in pixels.
+        height: u32,
+    },
+    /// The display server has ended, or has thrown the window out.
+    #[error("the display that the window was on is gone; what was not saved is lost")]
+    DisplayGone,
     /// The windowing system failed.
     #[error("the windowing system failed: {0}")]
     System(String),

@@ -4,13 +4,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use pixels::wgpu::{BlendState, SurfaceError};
+use pixels::wgpu::{BlendState, CommandEncoderDescriptor};
 use pixels::{Pixels, PixelsBuilder, SurfaceTexture};
 use tiny_skia::PixmapMut;
 use winit::dpi::PhysicalSize;
 use winit::window::Window;
 
 use super::problem::WindowError;
+use super::recovery::{Outcome, Recovery, Remedy};
 
 /// A framebuffer as large as the window, one of its pixels for one of the window's.
 ///
@@ -23,8 +24,9 @@ pub(super) struct Screen {
     size: PhysicalSize<u32>,
     /// Set by the graphics library when the device has failed.
     device_failed: Arc<AtomicBool>,
-    /// Frames in a row that could not be shown.
-    failures: u32,
+    recovery: Recovery,
+    /// Why it could not be made anew the last time.
+    failure: Option<pixels::Error>,
     /// Whether the framebuffer holds what was painted last.
     kept: bool,
 }
@@ -36,12 +38,9 @@ pub(super) struct Presented {
     pub(super) upload: Duration,
     /// Drawing it on the surface and handing that over.
     pub(super) present: Duration,
+    /// Where it was not shown: after how long to paint and present again.
+    pub(super) again: Option<Duration>,
 }
-
-/// After so many frames in a row that could not be shown, the device and its surface are made anew.
-const FAILURES_UNTIL_RENEWAL: u32 = 3;
-/// After so many, carom gives up.
-const FAILURES_MOST: u32 = 10;
 
 impl Screen {
     /// A screen for the window as it is. Both sides of `size` are at least 1. `scene` is for messages.
@@ -52,7 +51,16 @@ impl Screen {
         scene: &str,
     ) -> Result<Self, WindowError> {
         let device_failed = Arc::new(AtomicBool::new(false));
-        let mut screen = Self { pixels: None, window, vsync, size, device_failed, failures: 0, kept: false };
+        let mut screen = Self {
+            pixels: None,
+            window,
+            vsync,
+            size,
+            device_failed,
+            recovery: Recovery::default(),
+            failure: None,
+            kept: false,
+        };
         screen.renew().map_err(|error| match error {
             pixels::Error::InvalidTexture(_) => too_large(size),
             error => WindowError::NoAdapter { reason: error.to_string(), scene: scene.to_owned() },
@@ -102,47 +110,51 @@ impl Screen {
         Some((pixmap, std::mem::replace(&mut self.kept, true)))
     }
 
-    /// Shows what was painted. A surface that is outdated or lost costs this frame, and a failed device a few; both are
-    /// made anew, and another frame is asked for.
+    /// Shows what was painted. A surface or a device that has failed costs a few pictures: what has failed is made anew,
+    /// and the picture is to be painted and presented again.
     pub(super) fn present(&mut self) -> Result<Presented, WindowError> {
         let start = Instant::now();
         let mut uploaded = start;
         let rendered = self.pixels.as_ref().map(|pixels| {
-            pixels.render_with(|encoder, target, context| {
+            pixels.render_with(|_, target, context| {
                 uploaded = Instant::now();
+                // Submitted here and not behind: presenting on a device that was lost as this was submitted would be the
+                // end, in the graphics library. An error leaves the picture out instead.
+                let descriptor = CommandEncoderDescriptor { label: Some("carom") };
+                let mut encoder = context.device.create_command_encoder(&descriptor);
+                context.scaling_renderer.render(&mut encoder, target);
+                context.queue.submit(Some(encoder.finish()));
+                if self.device_failed.load(Ordering::Relaxed) {
+                    return Err("the device has failed".into());
+                }
                 // Only here is it certain that something will be presented: Wayland holds back the next frame until then.
                 self.window.pre_present_notify();
-                context.scaling_renderer.render(encoder, target);
                 Ok(())
             })
         });
-        let presented = Presented { upload: uploaded - start, present: uploaded.elapsed() };
-        let failed = self.device_failed.load(Ordering::Relaxed);
-        match rendered {
-            Some(Ok(())) if !failed => self.failures = 0,
-            // A surface that nobody shows gives no texture in time; one that is outdated, pixels has reconfigured.
-            Some(Err(pixels::Error::Surface(SurfaceError::Timeout))) if !failed => {
-                self.window.request_redraw();
+        let present = uploaded.elapsed();
+        let outcome = Outcome::of(rendered.as_ref(), self.device_failed.load(Ordering::Relaxed));
+        let again = match self.recovery.after(outcome) {
+            Remedy::Nothing => None,
+            Remedy::Again(wait) => Some(wait),
+            Remedy::Renew(wait) => {
+                // Where this fails, too, there is nothing to present on the next time.
+                self.failure = self.renew().err();
+                Some(wait)
             }
-            Some(Err(pixels::Error::Surface(SurfaceError::Outdated)))
-                if !failed && self.failures < FAILURES_UNTIL_RENEWAL =>
-            {
-                self.failures += 1;
-                self.window.request_redraw();
-            }
-            rendered => {
-                self.failures += 1;
-                let renewed = self.renew();
-                if self.failures > FAILURES_MOST {
-                    let error = renewed.err().or(rendered.and_then(Result::err));
-                    let reason = error
-                        .map_or_else(|| "it fails again and again".to_owned(), |error| error.to_string());
-                    return Err(WindowError::DeviceLost { reason });
-                }
-                self.window.request_redraw();
-            }
+            Remedy::GiveUp => return Err(self.give_up(outcome, rendered.and_then(Result::err))),
+        };
+        Ok(Presented { upload: uploaded - start, present, again })
+    }
+
+    fn give_up(&mut self, outcome: Outcome, error: Option<pixels::Error>) -> WindowError {
+        if outcome == Outcome::OutOfMemory {
+            let PhysicalSize { width, height } = self.size;
+            return WindowError::GraphicsMemory { width, height };
         }
-        Ok(presented)
+        let error = self.failure.take().or(error);
+        let reason = error.map_or_else(|| "it fails again and again".to_owned(), |error| error.to_string());
+        WindowError::DeviceLost { reason }
     }
 }
 

@@ -1,40 +1,145 @@
 //! Where the frames' time went, for `--timings`.
 
 use std::fmt;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// The times of each frame's four parts, ms.
+/// The times of each frame's four parts, and of the program's own share of each turn.
 #[derive(Debug, Default)]
 pub(super) struct Timings {
-    frames: Vec<[f64; 4]>,
+    parts: [Spread; 4],
+    own: Spread,
 }
 
 const PARTS: [&str; 4] = ["advance", "paint", "upload", "present"];
 
 impl Timings {
+    /// Adds a frame that was presented.
     pub(super) fn add(&mut self, parts: [Duration; 4]) {
-        self.frames.push(parts.map(|part| part.as_secs_f64() * 1e3));
+        for (spread, part) in self.parts.iter_mut().zip(parts) {
+            spread.add(part);
+        }
+    }
+
+    /// Adds a turn of the event loop: all that the program did from when it woke until it slept, without what the
+    /// graphics library took.
+    pub(super) fn add_turn(&mut self, own: Duration) {
+        self.own.add(own);
     }
 }
 
 impl fmt::Display for Timings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "frame times in ms, {} frames", self.frames.len())?;
-        if self.frames.is_empty() {
-            return Ok(());
-        }
-        for (part, name) in PARTS.iter().enumerate() {
-            let mut times: Vec<f64> = self.frames.iter().map(|frame| frame[part]).collect();
-            times.sort_by(f64::total_cmp);
-            let at = |share: f64| times[(share * (times.len() - 1) as f64) as usize];
-            write!(
-                f,
-                "\n{name:<8} median {:.4}, 99 % under {:.4}, longest {:.4}",
-                at(0.5),
-                at(0.99),
-                at(1.0)
-            )?;
+        write!(f, "frame times in ms, {} frames", self.parts[0].count())?;
+        let parts = PARTS.iter().zip(&self.parts);
+        for (name, spread) in parts.chain([(&"own", &self.own)]).filter(|(_, spread)| spread.count() > 0) {
+            let [median, most, longest] =
+                [spread.share(0.5), spread.share(0.99), spread.longest].map(|time| time.as_secs_f64() * 1e3);
+            write!(f, "\n{name:<8} median {median:.4}, 99 % under {most:.4}, longest {longest:.4}")?;
         }
         Ok(())
+    }
+}
+
+/// How often times came, in steps of a sixteenth of a doubling (4 %), and the longest: as much memory for days of
+/// frames as for one.
+#[derive(Debug)]
+struct Spread {
+    counts: [u64; STEPS],
+    longest: Duration,
+}
+
+const STEPS: usize = 16 * 32;
+/// The shortest time that is told from shorter ones; with so many steps, the longest is more than an hour.
+const SHORTEST: f64 = 1e-6;
+
+impl Default for Spread {
+    fn default() -> Self {
+        Self { counts: [0; STEPS], longest: Duration::ZERO }
+    }
+}
+
+impl Spread {
+    fn add(&mut self, time: Duration) {
+        let step = (time.as_secs_f64() / SHORTEST).max(1.0).log2() * 16.0;
+        self.counts[(step as usize).min(STEPS - 1)] += 1;
+        self.longest = self.longest.max(time);
+    }
+
+    fn count(&self) -> u64 {
+        self.counts.iter().sum()
+    }
+
+    /// A time that this share of all is under, by no more than a step.
+    fn share(&self, share: f64) -> Duration {
+        let wanted = share * self.count() as f64;
+        let mut passed = 0;
+        let step = self.counts.iter().position(|&count| {
+            passed += count;
+            passed as f64 >= wanted
+        });
+        let upper = SHORTEST * f64::exp2((step.unwrap_or(STEPS - 1) + 1) as f64 / 16.0);
+        Duration::from_secs_f64(upper).min(self.longest)
+    }
+}
+
+/// Measures the program's own time in a turn of the event loop.
+#[derive(Debug)]
+pub(super) struct Turn {
+    since: Instant,
+    /// What the graphics library took of it.
+    others: Duration,
+}
+
+impl Turn {
+    /// A turn that begins now.
+    pub(super) fn begin(now: Instant) -> Self {
+        Self { since: now, others: Duration::ZERO }
+    }
+
+    /// Takes out what the graphics library took.
+    pub(super) fn without(&mut self, others: Duration) {
+        self.others += others;
+    }
+
+    /// The program's own time so far.
+    pub(super) fn own(&self, now: Instant) -> Duration {
+        now.saturating_duration_since(self.since).saturating_sub(self.others)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_the_times_are_under_the_median_and_none_is_over_the_longest() {
+        let mut spread = Spread::default();
+        for microseconds in (1..=1000).rev() {
+            spread.add(Duration::from_micros(microseconds));
+        }
+        assert_eq!((spread.count(), spread.longest), (1000, Duration::from_millis(1)));
+        for share in [0.01, 0.5, 0.99] {
+            let ratio = spread.share(share).as_secs_f64() / (share * 1e-3);
+            assert!((0.99..1.06).contains(&ratio), "{share}: {ratio}");
+        }
+        assert_eq!(spread.share(1.0), spread.longest);
+    }
+
+    #[test]
+    fn times_beyond_all_steps_are_counted_and_the_longest_is_told_as_it_was() {
+        let mut spread = Spread::default();
+        for time in [Duration::ZERO, Duration::from_secs(86_400)] {
+            spread.add(time);
+        }
+        assert_eq!((spread.count(), spread.longest.as_secs()), (2, 86_400));
+    }
+
+    #[test]
+    fn a_turn_is_the_time_since_it_began_without_what_others_took() {
+        let start = Instant::now();
+        let mut turn = Turn::begin(start);
+        turn.without(Duration::from_millis(30));
+        assert_eq!(turn.own(start + Duration::from_millis(50)), Duration::from_millis(20));
+        assert_eq!(turn.own(start), Duration::ZERO, "nor does a clock that steps back end it");
     }
 }

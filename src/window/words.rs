@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::session::{Change, Command, Session};
+use crate::session::{Change, Command, Session, Working};
 
 /// Scene, solver, balls, and how time runs.
 pub(super) fn title(session: &Session, frames_per_second: Option<f64>) -> String {
@@ -51,14 +51,17 @@ pub(super) fn scene(session: &Session) -> String {
     if about.is_empty() { session.name().to_owned() } else { format!("{}: {about}", session.name()) }
 }
 
-/// How far back in time the present is, and what to do about it.
-pub(super) fn past(seconds: f64, paused: bool, rewinding: bool) -> String {
-    let how = match (paused, rewinding) {
-        (_, true) => "← rewinding",
-        (true, false) => "Space: play on",
-        (false, false) => "playing again",
+/// What time does other than run on: something is looked for, or the present is in the past, and what to do about it.
+pub(super) fn past(session: &Session, rewinding: bool) -> Option<String> {
+    let how = match session.working() {
+        Some(Working::Impact) => return Some("looking for the next impact … · Esc: stop".to_owned()),
+        Some(Working::Back) if !rewinding => return Some("going back … · Esc: stop".to_owned()),
+        _ if !session.is_in_the_past() => return None,
+        _ if rewinding => "← rewinding",
+        _ if session.is_paused() => "Space: play on",
+        _ => "playing again",
     };
-    format!("{seconds:.1} s ago · {how}")
+    Some(format!("{:.1} s ago · {how}", session.seconds_ago()))
 }
 
 fn balls(count: usize) -> String {

@@ -21,6 +21,8 @@ use crate::session::{Change, Command};
 
 /// How long it is shown where gravity pulls, once it has changed.
 const GRAVITY_SHOWN: Duration = Duration::from_secs(3);
+/// For so long, in time of the wall's clock, what keys ask for is done before the next frame; more waits for the one after.
+const ACT_MOST: Duration = Duration::from_millis(25);
 /// Pixels of a smooth wheel that count as one notch.
 const NOTCH: f64 = 40.0;
 
@@ -43,32 +45,78 @@ impl App {
             return self.request_redraw();
         }
         match keys::action(&event.logical_key, self.modifiers, event.repeat) {
-            None => return,
-            Some(Action::Do(command)) => self.apply(command),
-            Some(Action::Rewind) if self.session.is_paused() => self.apply(Command::Back),
-            Some(Action::Rewind) => {
+            None => {}
+            // What stops others does not wait for them.
+            Some(Action::Leave) => self.leave(event_loop),
+            Some(action) => self.ask(action),
+        }
+    }
+
+    /// Does an action, now or, where there is no time left for it, before long.
+    fn ask(&mut self, action: Action) {
+        if self.waiting.is_empty() && self.has_time() {
+            self.act(action);
+        } else if !self.waiting.push(action) {
+            self.complain("this is more than can be done: some keys were left out".to_owned());
+        }
+    }
+
+    /// Does what waits, as far as there is time.
+    pub(super) fn catch_up(&mut self) {
+        let start = Instant::now();
+        while !self.session.is_working() && start.elapsed() < ACT_MOST {
+            let Some(action) = self.waiting.pop() else { return };
+            self.act(action);
+        }
+    }
+
+    /// Whether something may be done at once: the turn of the event loop has not taken long yet, and nothing is still to
+    /// be done before.
+    fn has_time(&self) -> bool {
+        !self.session.is_working() && self.turn.own(Instant::now()) < ACT_MOST
+    }
+
+    /// Leaves what is under way, what lies over the picture, or the program.
+    fn leave(&mut self, event_loop: &ActiveEventLoop) {
+        if self.session.is_working() || !self.waiting.is_empty() {
+            self.session.stop_working();
+            self.waiting.clear();
+            self.say("stopped".to_owned());
+        } else if self.help {
+            self.help = false;
+            self.request_redraw();
+        } else {
+            event_loop.exit();
+        }
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::Do(command) => self.apply(command),
+            Action::Rewind if self.session.is_paused() => self.apply(Command::Back),
+            Action::Rewind => {
                 // Balls may not have been there.
                 self.hands.let_go();
                 self.rewinding = true;
             }
-            Some(Action::ToggleHelp) => self.help = !self.help,
-            Some(Action::ToggleTrails) => {
+            Action::ToggleHelp => self.help = !self.help,
+            Action::ToggleTrails => {
                 self.trails = if self.trails.is_some() { None } else { Some(Trails::default()) };
                 self.painter.forget();
                 let on = if self.trails.is_some() { "on" } else { "off" };
                 self.say(format!("trails {on}"));
             }
-            Some(Action::ToggleBrowser) => self.open_browser(),
-            Some(Action::ToggleFigures) => {
+            Action::ToggleBrowser => self.open_browser(),
+            Action::ToggleFigures => {
                 self.gauge = if self.gauge.is_some() { None } else { Some(Gauge::default()) };
             }
-            Some(Action::ToggleFullscreen) => self.toggle_fullscreen(),
-            Some(Action::SavePicture) => self.save_picture(),
-            Some(Action::SaveScene) => self.save_scene(),
-            Some(Action::SaveReplay) => self.save_replay(),
-            Some(Action::ToggleRecording) => self.toggle_recording(),
-            Some(Action::Leave) if self.help => self.help = false,
-            Some(Action::Leave) => return event_loop.exit(),
+            Action::ToggleFullscreen => self.toggle_fullscreen(),
+            Action::SavePicture => self.save_picture(),
+            Action::SaveScene => self.save_scene(),
+            Action::SaveReplay => self.save_replay(),
+            Action::ToggleRecording => self.toggle_recording(),
+            // Done before it comes here.
+            Action::Leave => {}
         }
         self.request_redraw();
     }
@@ -114,7 +162,8 @@ impl App {
 
     pub(super) fn apply(&mut self, command: Command) {
         let was_paused = self.session.is_paused();
-        if let Err(error) = self.session.apply(command) {
+        let start = Instant::now();
+        if let Err(error) = self.session.apply_while(command, || start.elapsed() < ACT_MOST) {
             self.complain(error.to_string());
         } else if let Some(text) = words::done(command, &self.session) {
             if matches!(command, Command::Change(Change::ToggleGravity | Change::TiltGravity(_))) {
@@ -228,12 +277,12 @@ impl App {
             }
             (MouseButton::Left, ElementState::Released) => {
                 if let Some(change) = self.hands.release() {
-                    self.apply(change.into());
+                    self.ask(Action::Do(change.into()));
                 }
             }
             (MouseButton::Right, ElementState::Pressed) => {
                 if let Some(change) = self.hands.pick(&self.session) {
-                    self.apply(change.into());
+                    self.ask(Action::Do(change.into()));
                 }
             }
             _ => return,

@@ -1,9 +1,11 @@
 //! The window at work: events become commands, and each frame is advanced, painted and presented.
 //!
+//! - `frame`: measure, advance, paint, present;
 //! - `input`: keys, the mouse and files, and what they do;
 //! - `view`: what is painted;
 //! - `saving`: what is saved.
 
+mod frame;
 mod input;
 mod saving;
 mod view;
@@ -14,8 +16,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec2;
 use winit::application::ApplicationHandler;
-use winit::dpi::PhysicalSize;
-use winit::event::WindowEvent;
+use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
@@ -27,30 +28,15 @@ use super::messages::{Messages, Tone};
 use super::overlay::{Browser, Gauge, Overlay};
 use super::record::Recorder;
 use super::screen::Screen;
-use super::timings::Timings;
+use super::timings::{Timings, Turn};
+use super::waiting::Waiting;
 use super::watch::Watch;
 use super::{Options, WindowError, words};
 use crate::paint::Painter;
 use crate::paint::trails::Trails;
 use crate::scene::Scene;
-use crate::session::{CommandError, Session};
-
-/// How long to wait before looking whether a window that could not be seen can.
-const LOOK_AGAIN: Duration = Duration::from_millis(250);
-/// The longest that a frame simulates, in time of the wall's clock: with the time that painting takes, thirty frames a
-/// second or so remain. Where more happens than can be computed in it, time runs slower and the window still answers.
-const ADVANCE_MOST: Duration = Duration::from_millis(25);
-/// How long to wait for the next frame where this one was not presented, which would have waited for the screen.
-const STILL: Duration = Duration::from_micros(16_667);
-
-/// Which frames are presented.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Present {
-    /// All: the window may have lost what it showed.
-    Always,
-    /// Those that look other than the one before.
-    Changes,
-}
+use crate::session::Session;
+use frame::Present;
 
 /// The window and what is shown in it.
 pub(super) struct App {
@@ -67,6 +53,10 @@ pub(super) struct App {
     rate: FrameRate,
     frames_per_second: Option<f64>,
     timings: Option<Timings>,
+    /// What the event loop has woken for.
+    turn: Turn,
+    /// What keys asked for that there was no time for yet.
+    waiting: Waiting,
     modifiers: ModifiersState,
     hands: Hands,
     /// When the pointer was last moved.
@@ -99,17 +89,25 @@ pub(super) struct App {
     occluded: bool,
     /// While nothing of the window can be seen: when to look again. The event that would tell may come too early.
     look_again: Option<Instant>,
+    /// Where a picture could not be shown: when to try again.
+    retry: Option<Instant>,
     /// While nothing looks other than it did: when to take the next frame.
     next_frame: Option<Instant>,
     /// When what lies over the balls next changes by itself.
     overlay_changes: Option<Instant>,
     /// The title as it was set last.
     title: String,
+    /// What was complained of last.
+    complaint: String,
     /// Why the event loop was ended, where it was not the user.
     failure: Option<WindowError>,
 }
 
 impl ApplicationHandler for App {
+    fn new_events(&mut self, _: &ActiveEventLoop, _: StartCause) {
+        self.turn = Turn::begin(Instant::now());
+    }
+
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.screen.is_none() {
             let size = self.session.simulation().world().size();
@@ -180,6 +178,7 @@ impl ApplicationHandler for App {
         {
             self.fail(event_loop, error);
         }
+        self.catch_up();
         let file = self.watch.as_ref().map(Watch::next_poll);
         let wakes = [
             self.overlay_changes,
@@ -190,7 +189,15 @@ impl ApplicationHandler for App {
             self.next_frame,
         ];
         let wake = wakes.into_iter().flatten().min();
-        event_loop.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        event_loop.set_control_flow(match wake {
+            // While the session works, its frames go on with that.
+            _ if !self.waiting.is_empty() && !self.session.is_working() => ControlFlow::Poll,
+            Some(at) => ControlFlow::WaitUntil(at),
+            None => ControlFlow::Wait,
+        });
+        if let Some(timings) = &mut self.timings {
+            timings.add_turn(self.turn.own(Instant::now()));
+        }
     }
 }
 
@@ -207,6 +214,8 @@ impl App {
             rate: FrameRate::default(),
             frames_per_second: None,
             timings: options.timings.then(Timings::default),
+            turn: Turn::begin(Instant::now()),
+            waiting: Waiting::default(),
             modifiers: ModifiersState::empty(),
             hands: Hands::new(),
             pointed: None,
@@ -227,9 +236,11 @@ impl App {
             recorder_again: None,
             occluded: false,
             look_again: None,
+            retry: None,
             next_frame: None,
             overlay_changes: None,
             title: String::new(),
+            complaint: String::new(),
             failure: None,
         }
     }
@@ -265,103 +276,6 @@ impl App {
         }
     }
 
-    /// One frame: measure, advance, paint, present; the last two where they are needed.
-    ///
-    /// The world is the window, in px that are as large on every screen: with a scale factor of 2, four pixels to one.
-    fn frame(&mut self, present: Present) -> Result<(), WindowError> {
-        self.next_frame = None;
-        let Some((window, screen)) = &mut self.screen else { return Ok(()) };
-        let (size, scale) = (window.inner_size(), window.scale_factor());
-        if self.occluded || size.width == 0 || size.height == 0 || window.is_minimized() == Some(true) {
-            // Nothing can be seen: time stands still, and goes on from there.
-            self.stop_clock();
-            self.look_again = Some(Instant::now() + LOOK_AGAIN);
-            return Ok(());
-        }
-        self.look_again = None;
-        if screen.size() != size {
-            screen.resize(size)?;
-        }
-        let start = Instant::now();
-        let measured = self.advance(start, world_size(size, scale))?;
-        let advanced = Instant::now();
-        let changed = self.paint(scale, measured, start);
-        let painted = Instant::now();
-        let Some((window, screen)) = &mut self.screen else { return Ok(()) };
-        if window.inner_size() != size {
-            // This picture is the wrong size already; the next will not be.
-            window.request_redraw();
-            return Ok(());
-        }
-        if !changed && present == Present::Changes {
-            self.stand_still(start);
-            return Ok(());
-        }
-        let presented = screen.present()?;
-        self.split = [advanced - start, painted - advanced, presented.upload + presented.present];
-        if let Some(timings) = &mut self.timings {
-            timings.add([advanced - start, painted - advanced, presented.upload, presented.present]);
-        }
-        if !changed {
-            self.stand_still(start);
-            return Ok(());
-        }
-        if self.is_moving() {
-            self.request_redraw();
-        }
-        if let Some(rate) = self.rate.count(Instant::now()) {
-            self.frames_per_second = Some(rate);
-            self.set_title();
-        }
-        Ok(())
-    }
-
-    /// Whether a frame now would move anything.
-    fn is_moving(&self) -> bool {
-        self.browser.is_none() && (self.rewinding || self.session.is_moving())
-    }
-
-    /// Brings the session to the time `now`, in a world of this size. Returns the seconds since the last frame.
-    fn advance(&mut self, now: Instant, size: DVec2) -> Result<f64, WindowError> {
-        let measured = self.clock.tick(now);
-        let resized = self.session.resize(size);
-        resized.or_else(|error| match error {
-            CommandError::OutOfRange(error) => Err(error),
-            error => {
-                self.complain(error.to_string());
-                Ok(())
-            }
-        })?;
-        if let Some(change) = self.hands.hold(&self.session) {
-            // A ball that has no room where the hand is stays where it was.
-            let _ = self.session.apply(change.into());
-        }
-        if self.browser.is_some() {
-            return Ok(measured);
-        }
-        if !self.rewinding {
-            let compared = self.session.truth().is_some();
-            self.session.advance_while(measured, || now.elapsed() < ADVANCE_MOST)?;
-            if compared && self.session.truth().is_none() {
-                self.complain("exact cannot follow here in real time: no longer compared".to_owned());
-            }
-        } else if !self.session.rewind(measured) {
-            self.rewinding = false;
-            self.complain(CommandError::NoEarlier.to_string());
-        }
-        Ok(measured)
-    }
-
-    /// After a frame that began at `start` and looked as the one before: asks for the next, where time runs, and says
-    /// nothing of how many there are.
-    fn stand_still(&mut self, start: Instant) {
-        self.next_frame = self.is_moving().then_some(start + STILL);
-        self.rate = FrameRate::default();
-        self.frames_per_second = None;
-        // Balls may have come where nobody sees them.
-        self.set_title();
-    }
-
     /// Says what was done, over the picture.
     fn say(&mut self, text: String) {
         self.tell(text, Tone::Said);
@@ -382,7 +296,11 @@ impl App {
 
     /// Says everywhere what could not be done.
     fn complain(&mut self, text: String) {
-        let _ = writeln!(io::stderr(), "carom: {text}");
+        // A terminal keeps what was said: once is enough.
+        if text != self.complaint {
+            let _ = writeln!(io::stderr(), "carom: {text}");
+            self.complaint.clone_from(&text);
+        }
         self.messages.entitle(text.clone(), Instant::now());
         self.tell(text, Tone::Wrong);
     }
@@ -404,9 +322,4 @@ impl App {
             self.title = title;
         }
     }
-}
-
-fn world_size(size: PhysicalSize<u32>, scale_factor: f64) -> DVec2 {
-    let size = size.to_logical(scale_factor);
-    DVec2::new(size.width, size.height)
 }

@@ -90,8 +90,7 @@ impl App {
             hand: self.hand(now),
             gravity: gravity.then(|| session.simulation().world().gravity().unwrap_or_default()),
             figures,
-            past: (session.is_in_the_past() && !self.options.quiet)
-                .then(|| words::past(session.seconds_ago(), session.is_paused(), self.rewinding)),
+            past: words::past(session, self.rewinding).filter(|_| !self.options.quiet),
             sheet,
             page,
             recording: recorder.map(|_| now.saturating_duration_since(self.recording_since).as_secs()),

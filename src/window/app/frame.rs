@@ -1,0 +1,152 @@
+//! A frame: measure, advance, paint, present.
+
+use std::time::{Duration, Instant};
+
+use glam::DVec2;
+use winit::dpi::PhysicalSize;
+
+use super::super::WindowError;
+use super::super::clock::FrameRate;
+use super::App;
+use crate::session::CommandError;
+
+/// How long to wait before looking whether a window that could not be seen can.
+const LOOK_AGAIN: Duration = Duration::from_millis(250);
+/// The longest that a frame simulates, in time of the wall's clock: with the time that painting takes, thirty frames a
+/// second or so remain. Where more happens than can be computed in it, time runs slower and the window still answers.
+const ADVANCE_MOST: Duration = Duration::from_millis(25);
+/// How long to wait for the next frame where this one was not presented, which would have waited for the screen.
+const STILL: Duration = Duration::from_micros(16_667);
+
+/// Which frames are presented.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Present {
+    /// All: the window may have lost what it showed.
+    Always,
+    /// Those that look other than the one before.
+    Changes,
+}
+
+impl App {
+    /// One frame: measure, advance, paint, present; the last two where they are needed.
+    ///
+    /// The world is the window, in px that are as large on every screen: with a scale factor of 2, four pixels to one.
+    pub(super) fn frame(&mut self, present: Present) -> Result<(), WindowError> {
+        self.next_frame = None;
+        if self.retry.is_some_and(|at| Instant::now() < at) {
+            // Pictures that are asked for sooner would not give the driver the time that it needs.
+            self.look_again = self.retry;
+            return Ok(());
+        }
+        self.retry = None;
+        let Some((window, screen)) = &mut self.screen else { return Ok(()) };
+        let (size, scale) = (window.inner_size(), window.scale_factor());
+        if self.occluded || size.width == 0 || size.height == 0 || window.is_minimized() == Some(true) {
+            // Nothing can be seen: time stands still, and goes on from there.
+            self.stop_clock();
+            self.look_again = Some(Instant::now() + LOOK_AGAIN);
+            return Ok(());
+        }
+        self.look_again = None;
+        if screen.size() != size {
+            let start = Instant::now();
+            screen.resize(size)?;
+            self.turn.without(start.elapsed());
+        }
+        let start = Instant::now();
+        let measured = self.advance(start, world_size(size, scale))?;
+        let advanced = Instant::now();
+        let changed = self.paint(scale, measured, start);
+        let painted = Instant::now();
+        let Some((window, screen)) = &mut self.screen else { return Ok(()) };
+        if window.inner_size() != size {
+            // This picture is the wrong size already; the next will not be.
+            window.request_redraw();
+            return Ok(());
+        }
+        if !changed && present == Present::Changes {
+            self.stand_still(start);
+            return Ok(());
+        }
+        let presented = screen.present()?;
+        self.turn.without(presented.upload + presented.present);
+        if let Some(wait) = presented.again {
+            self.retry = Some(Instant::now() + wait);
+            self.look_again = self.retry;
+            return Ok(());
+        }
+        self.split = [advanced - start, painted - advanced, presented.upload + presented.present];
+        if let Some(timings) = &mut self.timings {
+            timings.add([advanced - start, painted - advanced, presented.upload, presented.present]);
+        }
+        if !changed {
+            self.stand_still(start);
+            return Ok(());
+        }
+        if self.is_moving() {
+            self.request_redraw();
+        }
+        if let Some(rate) = self.rate.count(Instant::now()) {
+            self.frames_per_second = Some(rate);
+            self.set_title();
+        }
+        Ok(())
+    }
+
+    /// Whether a frame now would move anything.
+    pub(super) fn is_moving(&self) -> bool {
+        self.browser.is_none() && (self.rewinding || self.session.is_moving())
+    }
+
+    /// Brings the session to the time `now`, in a world of this size. Returns the seconds since the last frame.
+    fn advance(&mut self, now: Instant, size: DVec2) -> Result<f64, WindowError> {
+        let measured = self.clock.tick(now);
+        let resized = self.session.resize(size);
+        resized.or_else(|error| match error {
+            CommandError::OutOfRange(error) => Err(error),
+            error => {
+                self.complain(error.to_string());
+                Ok(())
+            }
+        })?;
+        let mut go_on = || now.elapsed() < ADVANCE_MOST;
+        if let Err(error) = self.session.work_while(&mut go_on) {
+            self.complain(error.to_string());
+        }
+        if !self.session.is_working()
+            && let Some(change) = self.hands.hold(&self.session)
+        {
+            // A ball that has no room where the hand is stays where it was.
+            let _ = self.session.apply(change.into());
+        }
+        if self.browser.is_some() {
+            return Ok(measured);
+        }
+        if !self.rewinding {
+            let compared = self.session.truth().is_some();
+            self.session.advance_while(measured, go_on)?;
+            if compared && self.session.truth().is_none() {
+                self.complain("exact cannot follow here in real time: no longer compared".to_owned());
+            }
+        } else if !self.session.rewind_while(measured, go_on) {
+            self.rewinding = false;
+            self.complain(CommandError::NoEarlier.to_string());
+        }
+        Ok(measured)
+    }
+
+    /// After a frame that began at `start` and looked as the one before: asks for the next, where time runs, and says
+    /// nothing of how many there are.
+    fn stand_still(&mut self, start: Instant) {
+        self.next_frame = self.is_moving().then_some(start + STILL);
+        self.rate = FrameRate::default();
+        self.frames_per_second = None;
+        // Balls may have come where nobody sees them.
+        self.set_title();
+    }
+}
+
+fn world_size(size: PhysicalSize<u32>, scale_factor: f64) -> DVec2 {
+    let size = size.to_logical(scale_factor);
+    DVec2::new(size.width, size.height)
+}
