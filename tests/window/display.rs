@@ -1,6 +1,6 @@
 //! A virtual X server, carom's window on it, keys and mouse for it, and screenshots of it.
 
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
@@ -18,9 +18,14 @@ pub const CONTACT: [u8; 3] = [0xff, 0x66, 0xff];
 /// What Xvfb shows where there is no window.
 pub const NOTHING: [u8; 3] = [0, 0, 0];
 
+/// The program that is tested: the one that was built with the tests, or another that `CAROM_PROGRAM` names.
+fn program() -> String {
+    std::env::var("CAROM_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_carom").to_owned())
+}
+
 /// An X server of our own, and the right to be the only one with two cores' worth of software graphics.
 pub struct Display {
-    server: Child,
+    server: Mutex<Child>,
     name: String,
     _alone: MutexGuard<'static, ()>,
 }
@@ -41,7 +46,7 @@ impl Display {
             .expect("Xvfb is installed");
         let mut number = String::new();
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
-        Self { server, name: format!(":{}", number.trim()), _alone: alone }
+        Self { server: Mutex::new(server), name: format!(":{}", number.trim()), _alone: alone }
     }
 
     pub fn command(&self, program: &str) -> Command {
@@ -67,31 +72,55 @@ impl Display {
 
     /// A window as users open it.
     pub fn open_talking(&self, args: &[&str], scale: &str) -> Window<'_> {
+        self.open_with(args, &[("WINIT_X11_SCALE_FACTOR", scale)])
+    }
+
+    /// A window with these variables in its environment.
+    pub fn open_with(&self, args: &[&str], variables: &[(&str, &str)]) -> Window<'_> {
         let folder = tempfile::tempdir().unwrap();
+        // A pipe that nobody reads would fill, and stop who writes to it.
+        let said = tempfile::NamedTempFile::new().unwrap();
         let child = self
-            .command(env!("CARGO_BIN_EXE_carom"))
+            .command(&program())
             .args(args)
-            .env("WINIT_X11_SCALE_FACTOR", scale)
+            .envs(variables.iter().copied())
             .current_dir(folder.path())
-            .stderr(Stdio::piped())
+            .stderr(Stdio::from(said.reopen().unwrap()))
             .spawn()
             .unwrap();
-        let mut window = Window { display: self, child, id: String::new(), folder };
+        let mut window = Window { display: self, child, id: String::new(), folder, said };
         window.wait("a window", |window| {
             let found = String::from_utf8(self.ask("xdotool", &["search", "--name", "^carom"])).unwrap();
             found.lines().next().unwrap_or_default().clone_into(&mut window.id);
             !window.id.is_empty()
         });
-        window.wait("a first picture", |window| window.screenshot().at(1, 1) != NOTHING);
+        // Wherever a window manager has put it.
+        window.wait("a first picture", |window| {
+            let shown = window.screenshot();
+            (0..SCREEN.1).any(|at| shown.at(at, at) != NOTHING)
+        });
         self.ask("xdotool", &["windowfocus", "--sync", &window.id]);
         window
     }
 }
 
+impl Display {
+    /// What X clients call it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Ends the server under its clients.
+    pub fn fail(&self) {
+        let mut server = self.server.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = server.kill();
+        let _ = server.wait();
+    }
+}
+
 impl Drop for Display {
     fn drop(&mut self) {
-        let _ = self.server.kill();
-        let _ = self.server.wait();
+        self.fail();
     }
 }
 
@@ -101,6 +130,8 @@ pub struct Window<'a> {
     child: Child,
     pub id: String,
     pub folder: tempfile::TempDir,
+    /// What it has said.
+    said: tempfile::NamedTempFile,
 }
 
 impl Window<'_> {
@@ -115,12 +146,26 @@ impl Window<'_> {
         }
     }
 
-    pub fn said(&mut self) -> String {
-        let mut said = String::new();
-        if let Some(stderr) = &mut self.child.stderr {
-            let _ = stderr.read_to_string(&mut said);
+    /// What it has said so far.
+    pub fn said(&self) -> String {
+        std::fs::read_to_string(self.said.path()).unwrap()
+    }
+
+    /// Waits for the end, and returns how it came and what was said.
+    pub fn end_saying(&mut self) -> (ExitStatus, String) {
+        let start = Instant::now();
+        loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                return (status, self.said());
+            }
+            assert!(start.elapsed() < PATIENCE, "carom does not end");
+            sleep(Duration::from_millis(20));
         }
-        said
+    }
+
+    /// Whether it runs.
+    pub fn runs(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
     }
 
     pub fn key(&self, key: &str) {
@@ -161,14 +206,19 @@ impl Window<'_> {
 
     /// Waits for the end, and returns how it came.
     pub fn end(mut self) -> ExitStatus {
-        let start = Instant::now();
-        loop {
-            if let Some(status) = self.child.try_wait().unwrap() {
-                return status;
-            }
-            assert!(start.elapsed() < PATIENCE, "carom does not end");
-            sleep(Duration::from_millis(20));
-        }
+        self.end_saying().0
+    }
+
+    /// Sends it a signal, by its name.
+    pub fn signal(&self, name: &str) {
+        self.display.ask("kill", &["-s", name, &self.child.id().to_string()]);
+    }
+
+    /// Resident memory, MB.
+    pub fn memory(&self) -> f64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+        line.trim().trim_end_matches(" kB").parse::<f64>().unwrap() / 1024.0
     }
 
     /// Waits for the end, and keeps the folder that it ran in.

@@ -36,7 +36,7 @@ fn frames_presented(display: &Display, args: &[&str]) -> u32 {
     let mut window = display.open(&[args, &["--timings"]].concat());
     sleep(Duration::from_secs(2));
     window.key("Escape");
-    let said = window.said();
+    let (_, said) = window.end_saying();
     let frames = said.split_once(" ms, ").and_then(|(_, rest)| rest.split_once(" frames"));
     frames.unwrap_or_else(|| panic!("{said}")).0.parse().unwrap()
 }

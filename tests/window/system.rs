@@ -67,3 +67,36 @@ fn without_a_graphics_adapter_the_message_says_what_to_install() {
     assert!(said.contains("no graphics adapter") && said.contains("mesa-vulkan-drivers"), "{said}");
     assert!(said.contains("carom run gravity --gif gravity.gif"), "{said}");
 }
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_display_that_ends_under_the_window_is_no_panic() {
+    for args in [&["elastic"][..], &["elastic", "--paused"]] {
+        let display = Display::start();
+        let mut window = display.open(args);
+        display.fail();
+        let (status, said) = window.end_saying();
+        assert_eq!(status.code(), Some(1), "{said}");
+        // Xlib says so itself, and ends the program, where it notices first.
+        assert!(said.contains("display") || said.contains("X connection"), "{said}");
+        assert!(!said.contains("panicked") && !said.contains(".rs:"), "{said}");
+    }
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_signal_while_recording_leaves_nothing_half_written() {
+    for signal in ["INT", "TERM", "HUP"] {
+        let display = Display::start();
+        let mut window = display.open(&["elastic"]);
+        window.key("v");
+        window.wait("the recording", |window| {
+            std::fs::read_dir(window.folder.path()).unwrap().next().is_some()
+        });
+        window.signal(signal);
+        let (status, _) = window.end_saying();
+        assert!(!status.success());
+        let left: Vec<_> = std::fs::read_dir(window.folder.path()).unwrap().collect();
+        assert!(left.is_empty(), "{signal}: {left:?}");
+    }
+}

@@ -145,3 +145,38 @@ fn all_scenes_are_shown_and_opened_by_key_and_mouse() {
     window.key("Escape");
     window.wait("the scene again", |window| window.screenshot().0 == closed.0);
 }
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_dial_shows_where_gravity_was_tilted_and_goes_away() {
+    let display = Display::start();
+    let mut window = display.open_talking(&["draw", "--paused"], "1");
+    // The ink of the dial in the lower left corner: how much, and its mean place, from the dial's middle.
+    let dial = |window: &Window<'_>| {
+        let shown = window.screenshot();
+        let ink = |&(x, y): &(usize, usize)| shown.at(x, y).iter().all(|&part| part > 0xb0);
+        let places: Vec<_> = (632..704).flat_map(|y| (16..88).map(move |x| (x, y))).filter(ink).collect();
+        let mean = |along: fn(&(usize, usize)) -> usize, middle: f64| {
+            places.iter().map(along).sum::<usize>() as f64 / places.len() as f64 - middle
+        };
+        (places.len(), mean(|at| at.0, 51.5), mean(|at| at.1, 667.5))
+    };
+    window.wait("no dial", |window| dial(window).0 == 0);
+    // An arrow's head is heavier than its tail.
+    window.key("ctrl+Right");
+    window.wait("to the right", |window| matches!(dial(window), (40.., x, y) if x > 1.0 && y.abs() < 1.0));
+    window.key("ctrl+Left");
+    window.wait(
+        "a dot for none",
+        |window| matches!(dial(window), (10..40, x, y) if x.abs() < 1.0 && y.abs() < 1.0),
+    );
+    window.key("ctrl+Up");
+    window.wait("up", |window| matches!(dial(window), (40.., x, y) if y < -1.0 && x.abs() < 1.0));
+    window.key("ctrl+Left");
+    window.wait("up and left", |window| matches!(dial(window), (40.., x, y) if x < -0.7 && y < -0.7));
+    window.key("ctrl+s");
+    window.wait_title("saved carom-draw-1.toml");
+    let saved = std::fs::read_to_string(window.folder.path().join("carom-draw-1.toml")).unwrap();
+    assert!(saved.contains("gravity = [-98, -98]"), "{saved}");
+    window.wait("no dial", |window| dial(window).0 == 0);
+}
