@@ -58,8 +58,8 @@
 //!
 //! # Features
 //!
-//! `window` (on by default) is the window and its graphics libraries, `report` (on by default) the report with its plots.
-//! Without them there is everything else.
+//! All are on by default: `window` is the window and its graphics libraries, `report` the report with its plots, and
+//! `parallel` lets a simulation use [more than one thread](Simulation::with_threads). Without them there is everything else.
 
 pub mod headless;
 pub mod paint;

@@ -72,6 +72,10 @@ impl Rain {
                 return Ok(seconds - left);
             }
             self.fall(simulation);
+            // Not every solver asks, and a long frame has many spells.
+            if left > 0.0 && !go_on() {
+                return Ok(seconds - left);
+            }
         }
         if left <= 0.0 && seconds > 0.0 {
             return Ok(seconds);

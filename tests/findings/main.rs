@@ -2,6 +2,7 @@
 
 mod accounts_within_a_substep;
 mod deep_tables;
+mod hours_of_rain;
 mod long_words;
 mod long_words_of_replays;
 mod many_fills;
