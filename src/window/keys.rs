@@ -174,7 +174,7 @@ pub(super) const HELP: [&[Group]; 2] = [
                 ("Drop a file", "open a scene"),
                 ("Ctrl+S", "save as a scene"),
                 ("Ctrl+Shift+S", "save as a replay"),
-                ("Esc", "back, quit"),
+                ("Esc", "stop, back, quit"),
             ],
         },
     ],
