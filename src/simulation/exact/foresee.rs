@@ -223,12 +223,14 @@ impl Exact {
     fn pair<N: Needs>(&self, slot: usize, other: usize, now: f64) -> Pair {
         let (position, velocity) = self.state::<N>(slot, now);
         let (their_position, their_velocity) = self.state::<N>(other, now);
+        let (slow, dull) = if self.wedged() { (0.0, self.rest_speed) } else { (self.rest_speed, 0.0) };
         Pair {
             distance: their_position - position,
             velocity: their_velocity - velocity,
             reach: self.matter::<N>(slot).radius + self.matter::<N>(other).radius,
             own: velocity,
-            slow: self.rest_speed,
+            slow,
+            dull,
         }
     }
 

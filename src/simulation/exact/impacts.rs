@@ -209,7 +209,7 @@ impl Exact {
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
         let pressed = N::GRAVITY && self.pulls[rests1] != self.pulls[rests2];
         let (meeting, e) = if pressed || least > 0.0 {
-            let hop = if pressed { self.least_hop(restitution) } else { 0.0 };
+            let hop = if pressed && !self.wedged() { self.least_hop(restitution) } else { 0.0 };
             (meeting.parting_at(least.max(hop), restitution), restitution)
         } else {
             (meeting, e)
@@ -286,11 +286,11 @@ impl Exact {
     fn least_parting(&self, meeting: &Meeting, reach: f64) -> f64 {
         // Nearly all only touch; no root is taken of them.
         let touching = meeting.distance.length_squared() >= (1.0 - DEEP) * reach * reach;
-        if touching || !meeting.slower_than(self.rest_speed) {
+        if touching || self.wedged() || !meeting.slower_than(self.rest_speed) {
             return 0.0;
         }
         let Meeting { distance, velocity } = *meeting;
-        Pair { distance, velocity, reach, own: DVec2::ZERO, slow: 0.0 }.least_parting()
+        Pair { distance, velocity, reach, own: DVec2::ZERO, slow: 0.0, dull: 0.0 }.least_parting()
     }
 
     /// Along which axes a ball can take a change of velocity: 0 where it would be pressed into the wall it rests on.

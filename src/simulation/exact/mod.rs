@@ -94,7 +94,7 @@ const FEWEST: usize = 64;
 const INSTANT: f64 = 1.0 / (1_u64 << 46) as f64;
 /// Events at one time, in all and for each ball, above which balls have no room to move at all: hits that would go on for
 /// ever take all their speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
-const MOST_AT_ONCE: (usize, usize) = (1 << 20, 64);
+const MOST_AT_ONCE: (usize, usize) = (1 << 16, 64);
 /// A ball that hit another more slowly than so many times the rest speed leans on it, for as long as so many hops at
 /// the rest speed: what lies on others is shown as touching them between its hops, too.
 const LEAN: f64 = 8.0;

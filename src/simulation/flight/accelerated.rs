@@ -73,8 +73,11 @@ impl Pair {
         let b = self.distance.dot(self.velocity);
         // Half the second derivative of d²: what slides off fast enough is not held by the acceleration.
         let square = self.velocity.length_squared();
+        let pressed = self.dull == 0.0;
         self.approaches(b)
-            || (!self.approaches(-b) && square + self.distance.dot(acceleration) < -ROUNDING * square)
+            || (pressed
+                && !self.approaches(-b)
+                && square + self.distance.dot(acceleration) < -ROUNDING * square)
     }
 
     /// From when on the acceleration has carried them apart for good.

@@ -90,6 +90,9 @@ pub(super) struct Pair {
     pub own: DVec2,
     /// The speed of parting, px/s, below which balls that overlap are at rest.
     pub slow: f64,
+    /// The speed of approach, px/s, up to which balls that touch do not meet, nor where they are pressed together: 0, but
+    /// where they have no room to part.
+    pub dull: f64,
 }
 
 impl Pair {
@@ -165,7 +168,7 @@ impl Pair {
     /// Whether the scalar product `b` of distance and velocity is an approach, not the rounding of none.
     fn approaches(&self, b: f64) -> bool {
         let speed = self.own.length() + (self.own + self.velocity).length() + SLOWEST;
-        b < -BLUR * speed * self.distance.length()
+        b < -(BLUR * speed + self.dull) * self.distance.length()
     }
 }
 
@@ -176,7 +179,7 @@ mod tests {
     use super::*;
 
     fn pair(distance: DVec2, velocity: DVec2, reach: f64) -> Pair {
-        Pair { distance, velocity, reach, own: DVec2::ZERO, slow: 1.0 }
+        Pair { distance, velocity, reach, own: DVec2::ZERO, slow: 1.0, dull: 0.0 }
     }
 
     #[test]
@@ -340,6 +343,7 @@ mod tests {
                 reach: 10.0_f64.powf(power),
                 own: DVec2::new(own, 0.0),
                 slow: 1.0,
+                dull: 0.0,
             };
             // The same pair where its edges touch, up to rounding.
             let touching = Pair { reach: pair.distance.length().max(1e-6), ..pair };
