@@ -177,11 +177,12 @@ impl Grid {
         pairs: &mut Vec<P>,
         pair: impl Fn(u32, u32) -> P,
     ) {
-        pairs.clear();
         let mut found = 0;
         self.neighbours(rows, &mut |ball: &Entry, others: &[Entry]| {
             // Each is written, and the next writes over it where it did not touch: no branch that cannot be foreseen.
-            pairs.resize(pairs.len().max(found + others.len()), pair(0, 0));
+            if pairs.len() < found + others.len() {
+                pairs.resize(2 * (found + others.len()), pair(0, 0));
+            }
             for other in others {
                 pairs[found] = pair(ball.index.min(other.index), ball.index.max(other.index));
                 found += usize::from(touch(ball.position, ball.radius, other.position, other.radius));

@@ -15,15 +15,22 @@ use super::{Body, Setting};
 
 /// A ball may go so much of its radius, whatever its speed, before pairs are searched anew.
 const SKIN: f64 = 0.1;
-/// ... and as far as its speed, or the root mean square of all speeds, takes it in so many substeps.
+/// ... and as far as the root mean square of all speeds takes it in so many substeps.
 const HORIZON: f64 = 3.0;
-/// The same for few balls, all pairs of which are soon compared.
+/// ... or its own speed; where nothing rests, at least through half of the way that it goes in that time: nearly all balls
+/// are covered in discs of one size then, which suit one size of cells.
+const LEAST_AHEAD: f64 = 0.25;
+/// The horizon where nothing rests, so that balls go straight on until they are hit.
+const HORIZON_OF_FLIGHT: f64 = 4.0;
+/// That of few balls, all pairs of which are soon compared.
 const FEW_HORIZON: f64 = 6.0;
 /// The most balls that are few: comparing all pairs is cheaper than keeping a grid.
 pub(super) const FEW: usize = 40;
 /// Balls are put in the order of their places once in so many searches.
 const SEARCHES_PER_ORDER: u32 = 16;
-/// Cells are made anew where discs have become larger or smaller than those that they were made for by this factor.
+/// Cells are made for discs larger than those that there are by this factor ...
+const ROOM: f64 = 1.04;
+/// ... and anew where discs have become larger than that, or smaller by this factor.
 const MISFIT: f64 = 1.25;
 
 /// What the last search found.
@@ -266,13 +273,24 @@ impl Near {
 
     /// How each of so many balls is covered where it is now.
     pub(super) fn cover(&self, count: usize, setting: &Setting) -> impl Fn(&Body) -> Home + use<> {
-        let horizon = if count <= FEW { FEW_HORIZON } else { HORIZON };
-        let (time, usual) = (horizon * setting.substep, self.usual);
+        let horizon = match count {
+            ..=FEW => FEW_HORIZON,
+            _ if setting.rests => HORIZON,
+            _ => HORIZON_OF_FLIGHT,
+        };
+        let (time, usual, rests) = (horizon * setting.substep, self.usual, setting.rests);
         let fall = 0.5 * horizon * time * setting.kick.length();
         move |body| {
-            let moves = body.inverse_mass > 0.0;
-            let far = if moves { body.velocity.length().max(usual) * time + fall } else { 0.0 };
-            Home { position: body.position, reach: far + SKIN * body.radius }
+            let skin = SKIN * body.radius;
+            if body.inverse_mass == 0.0 {
+                return Home { position: body.position, reach: skin };
+            }
+            let way = body.velocity.length() * time;
+            // What presses may turn a ball, or push it back, at any time; elsewhere a fast one is covered ahead of it.
+            let far = (usual * time).max(if rests { way } else { LEAST_AHEAD * way });
+            let ahead = (way - far).clamp(0.0, far);
+            let ahead = if ahead > 0.0 { body.velocity * (time * ahead / way) } else { DVec2::ZERO };
+            Home { position: body.position + ahead, reach: far + fall + skin }
         }
     }
 
@@ -308,12 +326,15 @@ impl Near {
             return;
         }
         let sum: f64 = discs.iter().map(|disc| disc.radius).sum();
-        let suits =
-            |(grid, made): &(Grid, f64)| sum < MISFIT * made && sum > made / MISFIT && !grid.misfits();
+        let suits = |(grid, made): &(Grid, f64)| sum < ROOM * made && sum > made / MISFIT && !grid.misfits();
         let size = in_cells(*turned, setting.size);
         let (grid, _) = match grid {
             Some(grid) if suits(grid) => grid,
-            _ => grid.insert((Grid::for_discs(discs, size), sum)),
+            _ => {
+                let roomy = |disc: &Reach| Reach { radius: ROOM * disc.radius, ..*disc };
+                let discs: Vec<Reach> = discs.iter().map(roomy).collect();
+                grid.insert((Grid::for_discs(&discs, size), sum))
+            }
         };
         let pair = |first, second| Pair { first, second };
         if !layout.is_cut() {
@@ -351,7 +372,7 @@ impl Near {
         team.each(stripes.iter_mut().enumerate(), |(number, stripe)| {
             let start = layout.start(number).min(bodies.len());
             let bodies = &bodies[start..start + layout.count(number, bodies.len())];
-            let Stripe { pairs, holds, held, close, heights, .. } = &mut *stripe;
+            let Stripe { pairs, holds, held, live, close, heights, .. } = &mut *stripe;
             if layout.is_cut() {
                 for part in gathered {
                     pairs.extend_from_slice(&part.parted[number]);
@@ -368,6 +389,7 @@ impl Near {
             if setting.rests {
                 holds.extend(pairs.iter().map(|pair| kept.by_ball(pair.from(start)).unwrap_or(Hold::NONE)));
                 held.extend(holds.iter().map(|hold| hold.impulse > 0.0));
+                live.clone_from(held);
             }
             stripe.weigh_all(bodies);
         });

@@ -14,12 +14,14 @@ use std::collections::BinaryHeap;
 use super::find::FEW;
 use super::meeting::{Approach, Meeting, exchange};
 use super::sleep::Rest;
-use super::stripes::Stripes;
+use super::stripes::{Stripe, Stripes};
 use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
 use super::{Body, SHIFT, Setting, Tally};
 
 /// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
-const MOST: u32 = 8;
+const MOST: u32 = 4;
+/// The same where nothing rests, and nothing is held.
+const MOST_OF_FLIGHT: u32 = 8;
 /// The same among few balls, where each counts.
 const MOST_OF_FEW: u32 = 64;
 /// The same of a fast ball.
@@ -140,9 +142,13 @@ impl Event {
 }
 
 impl Limits {
-    /// Those of so many bodies.
-    pub(super) fn of(count: usize) -> Self {
-        let most = if count <= FEW { MOST_OF_FEW } else { MOST };
+    /// Those of so many bodies, which may come to rest or not.
+    pub(super) fn of(count: usize, rests: bool) -> Self {
+        let most = match count {
+            ..=FEW => MOST_OF_FEW,
+            _ if rests => MOST,
+            _ => MOST_OF_FLIGHT,
+        };
         Self { most, exhausted: false, ended: false }
     }
 }
@@ -167,9 +173,29 @@ impl Stage<'_> {
         for at in 0..stripes.list[number].beside.len() {
             self.foresee_wall(Spot { stripe: number as u32, at: at as u32 }, stripes);
         }
-        for at in 0..stripes.list[number].pairs.len() {
-            self.foresee_pair(Spot { stripe: number as u32, at: at as u32 }, stripes);
+        let start = stripes.layout.start(number);
+        let stripe = &mut stripes.list[number];
+        let mut nearing = std::mem::take(&mut stripe.nearing);
+        self.find_nearing(&self.bodies[start.min(self.bodies.len())..], stripe, &mut nearing);
+        for &at in &nearing {
+            self.foresee_meeting(Spot { stripe: number as u32, at }, stripe, start);
         }
+        stripe.nearing = nearing;
+    }
+
+    /// Looks at all pairs of a stripe, and gathers the places of those that may meet: most do not, and which do cannot be
+    /// foreseen by a processor, so there is no branch.
+    fn find_nearing(&self, bodies: &[Body], stripe: &mut Stripe, nearing: &mut Vec<u32>) {
+        nearing.resize(stripe.pairs.len(), 0);
+        let mut found = 0;
+        for ((at, pair), close) in (0..).zip(&stripe.pairs).zip(&mut stripe.close) {
+            let approach =
+                Approach::of(self.setting, &bodies[pair.first as usize], &bodies[pair.second as usize]);
+            *close = approach.closes_in;
+            nearing[found] = at;
+            found += usize::from(approach.may_meet);
+        }
+        nearing.truncate(found);
     }
 
     /// Foresees the impacts of a body that was hit. Its pairs must be linked.
@@ -186,10 +212,9 @@ impl Stage<'_> {
         }
         for number in layout.of_body(body) {
             let own = (body - layout.start(number)) as u32;
-            let mut link = stripes.list[number].links.last(own);
-            while let Some(at) = link {
-                self.foresee_pair(Spot { stripe: number as u32, at: at.pair() as u32 }, stripes);
-                link = stripes.list[number].links.before(at);
+            let mut cursor = stripes.list[number].links.begin(own);
+            while let Some(at) = stripes.list[number].links.next(&mut cursor) {
+                self.foresee_pair(Spot { stripe: number as u32, at: at as u32 }, stripes);
             }
         }
     }
@@ -228,20 +253,30 @@ impl Stage<'_> {
         let stripe = &mut stripes.list[spot.stripe as usize];
         let pair = stripe.pairs[at];
         let (i, j) = (start + pair.first as usize, start + pair.second as usize);
-        let (first, second) = (&self.fates[i], &self.fates[j]);
-        if stripe.idle[at] || (stripe.held.get(at) == Some(&true) && first.slow && second.slow) {
-            stripe.close[at] = true;
-            return;
-        }
         let approach = Approach::of(self.setting, &self.bodies[i], &self.bodies[j]);
         stripe.close[at] = approach.closes_in;
+        if approach.may_meet {
+            self.foresee_meeting(spot, stripe, start);
+        }
+    }
+
+    /// Foresees the impact of a pair that may meet, of a stripe that begins with this body.
+    #[inline]
+    fn foresee_meeting(&mut self, spot: Spot, stripe: &Stripe, start: usize) {
+        let at = spot.at as usize;
+        let pair = stripe.pairs[at].from(start);
+        let (i, j) = (pair.first as usize, pair.second as usize);
+        let (first, second) = (&self.fates[i], &self.fates[j]);
+        let held = stripe.held.get(at) == Some(&true);
+        let presses = held && first.slow && second.slow;
         let fast = first.fast || second.fast;
         let enough = if fast { self.limits.ended } else { first.hits.max(second.hits) >= self.limits.most };
-        if approach.may_meet
+        let hits = (first.hits, second.hits);
+        if !stripe.idle[at]
+            && !presses
             && !enough
-            && let Some(meeting) = self.meeting((i, j), stripe.held.get(at) == Some(&true))
+            && let Some(meeting) = self.meeting((i, j), held)
         {
-            let hits = (self.fates[i].hits, self.fates[j].hits);
             self.queue.push(Event { time: meeting.time, what: What::Pair(spot), hits });
         }
     }

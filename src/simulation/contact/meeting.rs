@@ -23,13 +23,14 @@ pub(super) struct Approach {
 
 impl Approach {
     #[inline]
+    #[expect(clippy::needless_bitwise_bool, reason = "a branch here cannot be foreseen by a processor")]
     pub(super) fn of(setting: &Setting, first: &Body, second: &Body) -> Self {
         let distance = first.position - second.position;
         let closing = distance.dot(first.velocity - second.velocity);
         let reach = first.radius + second.radius;
         let reach = reach * reach;
         let least = distance.length_squared() + 2.0 * closing.min(0.0) * setting.substep;
-        Self { may_meet: least <= reach && closing < 0.0, closes_in: least <= reach * CLOSE }
+        Self { may_meet: (least <= reach) & (closing < 0.0), closes_in: least <= reach * CLOSE }
     }
 }
 
@@ -111,6 +112,7 @@ pub(super) fn exchange(
     meeting.exchange(stage.bodies, (i, j), stage.restitutions[i].min(stage.restitutions[j]));
     if let Some(hold) = stripes.list[spot.stripe as usize].holds.get_mut(spot.at as usize) {
         hold.met |= meeting.time > 0.0;
+        stripes.list[spot.stripe as usize].live[spot.at as usize] = true;
     }
     stage.tally.impacts += u64::from(meeting.speed > stage.setting.rest_speed);
     (stage.hit[i], stage.hit[j]) = (true, true);

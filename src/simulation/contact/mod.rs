@@ -212,6 +212,10 @@ impl Contact {
     #[inline]
     fn accelerate(&mut self) {
         let Self { setting, bodies, near, team, .. } = self;
+        if !setting.rests {
+            // Nothing changes a velocity but impacts.
+            return;
+        }
         let (kick, layout) = (setting.kick, near.as_ref().map_or(Layout::ONE, |near| near.layout));
         team.each(layout.share(Layer::Own, bodies), |bodies| {
             for body in bodies {

@@ -76,10 +76,14 @@ fn sum_up(counts: &mut [u32]) {
     }
 }
 
-/// The pairs of each ball, as chains: a pair more is soon added.
+/// The pairs of each ball: those that were there when they were first linked side by side, later ones as chains.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Links {
-    /// The last link of each ball's chain. A link is twice its pair's place, and one more for the second ball.
+    /// Where the pairs of each ball begin in `places`; one more than there are balls, or none where nothing is linked.
+    starts: Vec<u32>,
+    places: Vec<u32>,
+    /// The last link of each ball's chain; empty where nothing was added. A link is twice its pair's place, and one more for the
+    /// second ball, counted from the first pair that was added.
     lasts: Vec<u32>,
     /// For each link, the one before in its chain.
     befores: Vec<u32>,
@@ -90,17 +94,40 @@ const NO_LINK: u32 = u32::MAX;
 
 impl Links {
     pub(super) fn clear(&mut self) {
+        self.starts.clear();
+        self.places.clear();
         self.lasts.clear();
         self.befores.clear();
     }
 
     /// Links the pairs that are not linked yet, of so many balls.
     pub(super) fn link(&mut self, pairs: &[Pair], count: usize) {
-        self.lasts.resize(count, NO_LINK);
-        for pair in &pairs[self.befores.len() / 2..] {
+        let Self { starts, places, lasts, befores } = self;
+        if starts.is_empty() {
+            starts.resize(count + 1, 0);
+            for pair in pairs {
+                starts[pair.first as usize] += 1;
+                starts[pair.second as usize] += 1;
+            }
+            // Counts become ends; filling from the back turns ends into starts.
+            sum_up(starts);
+            places.resize(2 * pairs.len(), 0);
+            for (at, pair) in pairs.iter().enumerate().rev() {
+                for body in [pair.first, pair.second] {
+                    starts[body as usize] -= 1;
+                    places[starts[body as usize] as usize] = at as u32;
+                }
+            }
+            return;
+        }
+        let linked = places.len() / 2 + befores.len() / 2;
+        if linked < pairs.len() {
+            lasts.resize(count, NO_LINK);
+        }
+        for pair in &pairs[linked..] {
             for body in [pair.first, pair.second] {
-                let link = self.befores.len() as u32;
-                self.befores.push(std::mem::replace(&mut self.lasts[body as usize], link));
+                let link = befores.len() as u32;
+                befores.push(std::mem::replace(&mut lasts[body as usize], link));
             }
         }
     }
@@ -108,35 +135,40 @@ impl Links {
     /// The places of a ball's pairs.
     #[inline]
     pub(super) fn of(&self, body: u32) -> impl Iterator<Item = usize> {
-        std::iter::successors(self.last(body), |&link| self.before(link)).map(Link::pair)
+        let mut cursor = self.begin(body);
+        std::iter::from_fn(move || self.next(&mut cursor))
     }
 
-    /// The end of a ball's chain.
+    /// The beginning of a ball's pairs.
     #[inline]
-    pub(super) fn last(&self, body: u32) -> Option<Link> {
-        Link::of(self.lasts[body as usize])
+    pub(super) fn begin(&self, body: u32) -> Cursor {
+        let body = body as usize;
+        let last = self.lasts.get(body).copied().unwrap_or(NO_LINK);
+        Cursor { at: self.starts[body], end: self.starts[body + 1], last }
     }
 
-    /// The link before, in the same chain.
+    /// The place of the next pair.
     #[inline]
-    pub(super) fn before(&self, link: Link) -> Option<Link> {
-        Link::of(self.befores[link.0 as usize])
+    pub(super) fn next(&self, cursor: &mut Cursor) -> Option<usize> {
+        if cursor.at < cursor.end {
+            cursor.at += 1;
+            return Some(self.places[cursor.at as usize - 1] as usize);
+        }
+        if cursor.last == NO_LINK {
+            return None;
+        }
+        let link = cursor.last as usize;
+        cursor.last = self.befores[link];
+        Some(self.places.len() / 2 + link / 2)
     }
 }
 
-/// A link in a ball's chain of pairs.
+/// How far a ball's pairs have been gone through.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Link(u32);
-
-impl Link {
-    fn of(number: u32) -> Option<Self> {
-        (number != NO_LINK).then_some(Self(number))
-    }
-
-    /// The place of its pair.
-    pub(super) fn pair(self) -> usize {
-        self.0 as usize / 2
-    }
+pub(super) struct Cursor {
+    at: u32,
+    end: u32,
+    last: u32,
 }
 
 /// A set of balls that is soon emptied.

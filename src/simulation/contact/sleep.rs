@@ -168,10 +168,9 @@ impl Stripes<'_> {
         for number in self.layout.of_body(body) {
             let start = self.layout.start(number);
             let (stripe, own) = (&mut self.list[number], (body - start) as u32);
-            let mut link = stripe.links.last(own);
-            while let Some(at) = link {
-                let_go(&mut bodies[start..], stripe.pairs[at.pair()], &mut stripe.holds[at.pair()]);
-                link = stripe.links.before(at);
+            let mut cursor = stripe.links.begin(own);
+            while let Some(at) = stripe.links.next(&mut cursor) {
+                let_go(&mut bodies[start..], stripe.pairs[at], &mut stripe.holds[at]);
             }
             if let Some(at) = stripe.place_beside(own) {
                 stripe.beside[at].push = DVec2::ZERO;

@@ -22,6 +22,8 @@ pub(super) struct Stripe {
     pub(super) holds: Vec<Hold>,
     /// For each of these, whether they pressed on each other, or met, in the last substep.
     pub(super) held: Vec<bool>,
+    /// For each of these, whether it was held apart in the last substep, or has met since; an impulse of others is 0.
+    pub(super) live: Vec<bool>,
     /// For each pair, whether nothing moves either of its balls.
     pub(super) idle: Vec<bool>,
     /// For each pair, whether it may come close enough in this substep to be held apart.
@@ -36,6 +38,8 @@ pub(super) struct Stripe {
     pub(super) touching: Vec<u32>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
     pub(super) disturbed: Vec<(u32, f64)>,
+    /// Places of pairs that may meet in a substep.
+    pub(super) nearing: Vec<u32>,
     /// Impacts that are foreseen.
     pub(super) queue: BinaryHeap<Event>,
     /// Impacts that are left to the second round, and bodies whose impacts are after they were hit.
@@ -54,10 +58,11 @@ pub(super) struct Stripe {
 impl Stripe {
     /// Forgets all pairs and walls.
     pub(super) fn clear(&mut self, count: usize) {
-        let Self { pairs, holds, held, idle, close, links, beside, places_beside, .. } = self;
+        let Self { pairs, holds, held, live, idle, close, links, beside, places_beside, .. } = self;
         pairs.clear();
         holds.clear();
         held.clear();
+        live.clear();
         idle.clear();
         close.clear();
         links.clear();
@@ -96,6 +101,7 @@ impl Stripe {
         if rests {
             self.holds.push(Hold { mass: give.recip(), ..Hold::NONE });
             self.held.push(false);
+            self.live.push(false);
         }
     }
 
@@ -157,10 +163,9 @@ impl Stripes<'_> {
         for number in self.layout.of_body(body) {
             let start = self.layout.start(number);
             let stripe = &mut self.list[number];
-            let mut link = stripe.links.last((body - start) as u32);
-            while let Some(at) = link {
-                stripe.weigh(at.pair(), &bodies[start..]);
-                link = stripe.links.before(at);
+            let mut cursor = stripe.links.begin((body - start) as u32);
+            while let Some(at) = stripe.links.next(&mut cursor) {
+                stripe.weigh(at, &bodies[start..]);
             }
         }
     }

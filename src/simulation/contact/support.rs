@@ -114,14 +114,20 @@ impl Stripe {
     }
 
     /// Looks at all pairs anew, and holds those apart that are close.
+    #[expect(clippy::needless_bitwise_bool, reason = "a branch there cannot be foreseen by a processor")]
     fn take_up_all(&mut self, setting: &Setting, Share { bodies, fates, rests }: &mut Share<'_>) {
-        let Self { pairs, holds, held, idle, close, touching, disturbed, .. } = self;
-        touching.clear();
-        for (at, (pair, hold)) in pairs.iter().zip(&mut *holds).enumerate() {
-            let apart = !close[at] && hold.impulse == 0.0 && !hold.met && !held[at];
-            if idle[at] || apart {
-                continue;
-            }
+        let Self { pairs, holds, held, live, idle, close, touching, disturbed, .. } = self;
+        // They are gathered first, without a branch.
+        touching.resize(pairs.len(), 0);
+        let mut count = 0;
+        for (at, ((&close, &live), &idle)) in (0..).zip(close.iter().zip(&*live).zip(&*idle)) {
+            touching[count] = at;
+            count += usize::from((close | live) & !idle);
+        }
+        let mut kept = 0;
+        for place in 0..count {
+            let at = touching[place] as usize;
+            let (pair, hold) = (&pairs[at], &mut holds[at]);
             let shift = fates[pair.first as usize].shift.max(fates[pair.second as usize].shift);
             let carried = hold.impulse;
             // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
@@ -130,9 +136,9 @@ impl Stripe {
                 let_go(bodies, *pair, hold);
             }
             let near = !torn && take_up(setting, bodies, *pair, hold, shift == Shift::Some);
-            if near {
-                touching.push(at as u32);
-            }
+            touching[kept] = at as u32;
+            kept += usize::from(near);
+            live[at] = near;
             let holds = near && (hold.met || hold.impulse > 0.0);
             if held[at] || holds {
                 let sleepers =
@@ -143,6 +149,7 @@ impl Stripe {
             held[at] = holds;
             hold.met = false;
         }
+        touching.truncate(kept);
     }
 
     /// Stops what still sinks, from the ground up.
@@ -181,7 +188,8 @@ fn carry(bodies: &mut [Body], pairs: &[Pair], holds: &[Hold], run: &[u32]) {
         return;
     }
     let mut velocity = bodies[upper].velocity;
-    for _ in 0..INNER {
+    // Nothing undoes what a single pair did.
+    for _ in 0..if run.len() == 1 { 1 } else { INNER } {
         let before = velocity;
         for &at in run {
             let lower = &bodies[pairs[at as usize].second as usize];
