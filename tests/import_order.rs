@@ -149,7 +149,7 @@ fn the_physics_knows_no_clock_and_no_files_and_one_file_alone_knows_of_threads()
     for file in files("simulation") {
         for module in named(&code(&file), "std::") {
             assert!(
-                ["cmp", "collections", "error", "f64", "fmt", "iter", "mem", "ops", "slice", "str"]
+                ["cmp", "collections", "error", "f64", "fmt", "hint", "iter", "mem", "ops", "slice", "str"]
                     .contains(&module.as_str())
                     || is_for_threads(&file, &module),
                 "{}: std::{module}",

@@ -88,6 +88,9 @@ const ROUND_TO_BITS: f64 = 1.5 * (1_u64 << 52) as f64;
 const MOST_DOUBLINGS: usize = 14;
 /// The fewest cells on an axis: with four, a cell's neighbours on both sides are different cells.
 const FEWEST: usize = 4;
+/// A ball touches no more others that are at least half as large, in one direction, unless balls are in each other: of a
+/// crowd at one point each is held apart from so many at a time, and the rest comes when these are gone.
+const MOST_BESIDE: usize = 64;
 /// Marks a ball that is kept out of the cells.
 const NO_CELL: u32 = u32::MAX;
 /// The beginning of a chain.
@@ -179,6 +182,7 @@ impl Grid {
     ) {
         let mut found = 0;
         self.neighbours(rows, &mut |ball: &Entry, others: &[Entry]| {
+            let before = found;
             // Each is written, and the next writes over it where it did not touch: no branch that cannot be foreseen.
             if pairs.len() < found + others.len() {
                 pairs.resize(2 * (found + others.len()), pair(0, 0));
@@ -186,6 +190,13 @@ impl Grid {
             for other in others {
                 pairs[found] = pair(ball.index.min(other.index), ball.index.max(other.index));
                 found += usize::from(touch(ball.position, ball.radius, other.position, other.radius));
+            }
+            if found > before + MOST_BESIDE {
+                found = before;
+                for other in ball.not_too_many(others) {
+                    pairs[found] = pair(ball.index.min(other.index), ball.index.max(other.index));
+                    found += 1;
+                }
             }
         });
         pairs.truncate(found);
@@ -357,6 +368,19 @@ impl Grid {
 impl Entry {
     fn new(index: usize, disc: &impl Disc) -> Self {
         Self { position: disc.centre(), radius: disc.radius(), index: index as u32 }
+    }
+
+    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more.
+    fn not_too_many<'a>(&self, others: &'a [Self]) -> impl Iterator<Item = &'a Self> {
+        let Self { position, radius, .. } = *self;
+        let mut left = MOST_BESIDE;
+        others.iter().filter(move |other| {
+            let beside = touch(position, radius, other.position, other.radius);
+            let large = beside && 2.0 * other.radius >= radius;
+            let takes = beside && !(large && left == 0);
+            left -= usize::from(large && takes);
+            takes
+        })
     }
 }
 

@@ -19,13 +19,15 @@ use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
 use super::{Body, SHIFT, Setting, Tally};
 
 /// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
-const MOST: u32 = 4;
-/// The same where nothing rests, and nothing is held.
-const MOST_OF_FLIGHT: u32 = 8;
+const MOST: u32 = 8;
 /// The same among few balls, where each counts.
 const MOST_OF_FEW: u32 = 64;
 /// The same of a fast ball.
 const MOST_FAST: u32 = 256;
+/// Both where balls are so deep in each other, as in a world that shrank, that each has more pairs than this: after each
+/// impact all of a ball's pairs are looked at again, and what comes of it is no flight.
+const MOST_IN_CROWD: (u32, u32) = (1, 4);
+const CROWD: usize = 32;
 /// A ball that goes farther in a substep than so many times its radius is fast.
 const FAST: f64 = 1.0;
 
@@ -88,6 +90,7 @@ impl Shift {
 pub(super) struct Limits {
     /// How often a body may be that is not fast.
     most: u32,
+    most_fast: u32,
     /// Whether a fast one was hit so often that the substep ends for all of them.
     pub(super) exhausted: bool,
     /// Whether it has.
@@ -142,14 +145,14 @@ impl Event {
 }
 
 impl Limits {
-    /// Those of so many bodies, which may come to rest or not.
-    pub(super) fn of(count: usize, rests: bool) -> Self {
-        let most = match count {
-            ..=FEW => MOST_OF_FEW,
-            _ if rests => MOST,
-            _ => MOST_OF_FLIGHT,
+    /// Those of so many bodies with so many pairs of them near each other.
+    pub(super) fn of(count: usize, pairs: usize) -> Self {
+        let (most, most_fast) = match count {
+            ..=FEW => (MOST_OF_FEW, MOST_FAST),
+            _ if pairs > CROWD * count => MOST_IN_CROWD,
+            _ => (MOST, MOST_FAST),
         };
-        Self { most, exhausted: false, ended: false }
+        Self { most, most_fast, exhausted: false, ended: false }
     }
 }
 
@@ -364,7 +367,7 @@ impl Stage<'_> {
         if fate.fast && limits.ended {
             end(setting, &mut bodies[at], time);
         }
-        limits.exhausted |= fate.fast && fate.hits >= MOST_FAST;
+        limits.exhausted |= fate.fast && fate.hits >= limits.most_fast;
     }
 
     /// Ends the substep at `time` for all fast balls.

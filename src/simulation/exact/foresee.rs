@@ -7,6 +7,9 @@ use super::cells::{Border, END};
 use super::flights::{Against, Marks};
 use super::{Exact, Needs};
 
+/// An event is an event more to whoever looks at the watch for each so many balls near it.
+const NEAR_PER_EVENT: u32 = 16;
+
 /// What a ball's own flight leads to, whatever the others do.
 #[derive(Debug, Clone, Copy)]
 struct Ahead {
@@ -261,7 +264,9 @@ impl Exact {
             };
             first.or(now + time, other, self.flights[other].impact);
         };
+        let mut near = 0;
         cells.for_each_near::<N>(slot, except, flight.place, crossed, |other| {
+            near += 1;
             let held = |slot: usize| self.marks[slot].rests() == 3;
             if N::GRAVITY && held(slot) && held(other) {
             } else if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
@@ -276,6 +281,9 @@ impl Exact {
         });
         for &other in accelerated.all() {
             meet_accelerated(other, &mut first);
+        }
+        if N::GRAVITY {
+            self.unwatched += near / NEAR_PER_EVENT;
         }
         if first.partner != END {
             let First { time, partner } = first;

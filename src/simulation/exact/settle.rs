@@ -37,6 +37,8 @@ const STEPS_PER_EVENT: usize = 32;
 const IN_VAIN: i64 = 4;
 /// So many events at one time and more say that balls that overlap have no room to part.
 const STUCK: usize = 1000;
+/// Balls that are in so many others each are no group that could rest: it would take long to find out.
+const MOST_CONTACTS: usize = 8;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
 const FEW: usize = 32;
 /// No place in a group.
@@ -94,6 +96,11 @@ impl Exact {
             return;
         }
         let mut group = self.gather::<N>(slot, now);
+        if group.contacts.len() > MOST_CONTACTS * group.members.len() {
+            self.credit -= IN_VAIN * (group.members.len() + group.contacts.len() / STEPS_PER_EVENT) as i64;
+            group.members.iter().for_each(|member| self.marks[member.slot].calm_down());
+            return;
+        }
         let mut steps = group.take_approach();
         if self.gravity != DVec2::ZERO {
             let gravity = self.gravity.length();
