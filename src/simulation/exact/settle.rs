@@ -111,6 +111,7 @@ impl Exact {
         // Where nothing comes to rest, it is too early.
         let in_vain = group.members.iter().all(|member| !member.stays);
         self.credit -= if in_vain { IN_VAIN * cost } else { cost };
+        let among_balls = group.contacts.iter().any(|contact| contact.against != Support::Wall);
         for (&Member { slot, position, stays, .. }, &velocity) in group.members.iter().zip(&group.velocities)
         {
             let held = self.marks[slot].has(Marks::HELD);
@@ -122,6 +123,10 @@ impl Exact {
                 self.let_go::<N>(slot);
             }
             self.marks[slot].set(Marks::HELD, stays);
+            if among_balls {
+                // What it touches, or as good as, has stopped it, or let it go.
+                self.marks[slot].set(Marks::HIT, true);
+            }
             let mut velocity = if stays { DVec2::ZERO } else { velocity };
             for axis in 0..2 {
                 let rests = Marks::rests_on(axis);
@@ -236,8 +241,11 @@ impl Exact {
             let jams = self.jams(radius, axis);
             self.marks[slot].set(Marks::rests_on(axis), jams);
         }
-        self.marks[slot].set(Marks::HELD, false);
-        self.marks[slot].calm_down();
+        let marks = &mut self.marks[slot];
+        marks.set(Marks::HELD, false);
+        marks.calm_down();
+        // It touched others until now, and does so no more where the next frame is shown.
+        marks.set(Marks::HIT, true);
         self.propped.retain(|&(ball, _)| ball as usize != slot);
     }
 
