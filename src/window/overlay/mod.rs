@@ -85,11 +85,14 @@ impl Overlay {
         if let Some(gravity) = self.gravity {
             notes::gravity(pixmap, gravity, scale);
         }
-        if let Some(comparison) = &self.comparison {
-            comparison.paint_plot(pixmap, top, scale);
-        }
-        if let Some(figures) = &self.figures {
-            figures.paint(pixmap, top, scale);
+        // The help stands where these would look out from behind it.
+        if self.sheet != Some(Sheet::Help) {
+            if let Some(comparison) = &self.comparison {
+                comparison.paint_plot(pixmap, top, scale);
+            }
+            if let Some(figures) = &self.figures {
+                figures.paint(pixmap, top, scale);
+            }
         }
         if let Some(past) = &self.past {
             notes::past(pixmap, past, top, scale);
