@@ -194,7 +194,7 @@ impl Exact {
             let Some(cells) = self.cells.as_ref().filter(|_| !N::DETECT) else { break };
             cells.for_each_near::<N>(one, None, self.flights[one].place, None, |slot| {
                 // Those that were looked at before know of this one.
-                if slot == one || (found[slot] as usize) < at {
+                if (found[slot] as usize) < at {
                     return;
                 }
                 let (their_position, their_velocity) = self.state::<N>(slot, now);
