@@ -89,10 +89,15 @@ impl Calendar {
         }
     }
 
+    /// How many days a year has; that of what is beyond it stands behind them.
+    fn beyond(&self) -> usize {
+        self.days.len() - 1
+    }
+
     /// Begins an empty year of `span` seconds, a power of two.
     pub(super) fn begin(&mut self, span: f64) {
         self.span = span;
-        self.day = span / (self.days.len() - 1) as f64;
+        self.day = span / self.beyond() as f64;
         self.days_per_second = 1.0 / self.day;
         self.days.iter_mut().for_each(Vec::clear);
         self.opened = 0;
@@ -106,7 +111,7 @@ impl Calendar {
     pub(super) fn write(&mut self, time: f64, ball: u32) {
         // The year and its days are powers of two: the product is exact. Whether an event is within the year is a toss, for
         // which there is no branch: what is not goes to a day of its own, which never comes.
-        let beyond = self.days.len() - 1;
+        let beyond = self.beyond();
         let day = ((time * self.days_per_second) as u32 as usize).min(beyond);
         let entry = Entry { time, ball };
         self.written += usize::from(day < beyond);
@@ -159,7 +164,7 @@ impl Calendar {
     ///
     /// The open day must have come to its end.
     pub(super) fn open(&mut self, mut holds: impl FnMut(&Entry) -> bool) -> Dawn {
-        if self.opened == self.days.len() - 1 {
+        if self.opened == self.beyond() {
             return Dawn::YearOver;
         }
         std::mem::swap(&mut self.today, &mut self.days[self.opened]);
