@@ -4,36 +4,30 @@
 //! than the solver's documented bound, and stays where nothing takes any. Momentum is an equation wherever the [`Tally`]
 //! knows all that walls gave. Each law says below what it leaves out, and why.
 
+mod accounts;
 mod law;
+mod measures;
 
 use glam::DVec2;
 
 use super::ball::Ball;
 use super::grid::Grid;
 use super::invariants::{kinetic_energy, momentum, potential_energy};
-use super::world::{Pairs, World};
-use super::{Simulation, Solver, Tally};
+use super::world::Pairs;
+use super::{Simulation, Solver};
+use accounts::{Base, Before};
 pub use law::{Law, Violation};
+use measures::{
+    EPSILON, TOUCH, beyond_walls, check_finite, deepest_overlap, instant, is_whole, moving, reach, scale,
+    stays_inside, substeps,
+};
 
 /// How much of the energy at first may come back with [`Solver::Contact`] under gravity.
 pub const CONTACT_LIFT: f64 = 1e-2;
-/// The deepest overlap that counts as rounding, as a part of the smaller radius.
-const TOUCH: f64 = 1e-6;
 /// What rounding may add to an energy or a momentum in a run of an hour, as a part of the largest that was seen.
 const ROUNDING: f64 = 1e-9;
-/// Positions and times are rounded to this part of them, a few operations long.
-const EPSILON: f64 = 8.0 * f64::EPSILON;
-/// Times are known to this, s, whatever their size: twice what `exact` shows frames at multiples of.
-const INSTANT: f64 = 1.0 / (1_u64 << 45) as f64;
 /// What each impact on a wall may add to that.
 const ROUNDING_OF_IMPACT: f64 = 8.0 * f64::EPSILON;
-/// A time so near to the end of a substep, as a part of one, is that end.
-const WHOLE: f64 = 1e-7;
-/// Where the squares round the balls cover more of the world than this, or one of them reaches over more than this of it,
-/// they may be jammed, and a jam takes energy and leans on the walls.
-const ROOMY: f64 = 0.5;
-/// Substeps of `contact` in a second, or an integer part of those, unless it was told otherwise.
-const SUBSTEPS: u32 = 240;
 
 /// Holds a simulation against the laws, frame by frame.
 ///
@@ -56,43 +50,6 @@ pub struct Ledger {
     base: Base,
     grid: Grid,
     flights: bool,
-}
-
-/// A frame that held.
-#[derive(Debug)]
-struct Before {
-    world: World,
-    solver: Solver,
-    balls: Vec<Ball>,
-    time: f64,
-    energy: f64,
-    /// Whether the state was one that the solver had computed.
-    whole: bool,
-    /// Whether no accounts begin with it: a ball was not wholly between the walls, or it was within a substep.
-    unfit: bool,
-}
-
-/// What the accounts begin with.
-#[derive(Debug)]
-struct Base {
-    momentum: DVec2,
-    tally: Tally,
-    time: f64,
-    /// The mass of all balls that move.
-    mass: f64,
-    /// The largest energy that was seen, counting each ball's apart from its sign.
-    scale: f64,
-    /// The lowest energy that was seen.
-    least: f64,
-    /// The largest sum of the balls' momenta that was seen, each counted apart from its direction.
-    moving: f64,
-    /// The deepest overlap at first, and with `exact` since, as a fraction of the smaller radius.
-    overlap: f64,
-    fixed: bool,
-    /// Whether balls can always get out of each other's way.
-    roomy: bool,
-    /// Whether nothing takes energy.
-    lossless: bool,
 }
 
 impl Ledger {
@@ -333,144 +290,10 @@ impl Ledger {
     }
 }
 
-impl Before {
-    fn new(simulation: &Simulation, energy: f64) -> Self {
-        let Simulation { world, solver, time, ref balls, .. } = *simulation;
-        let out = |ball: &Ball| !ball.is_fixed() && beyond_walls(&world, ball) > reach(&world, ball);
-        Self {
-            world,
-            solver,
-            time,
-            energy,
-            whole: is_whole(simulation),
-            unfit: !is_whole(simulation) || (world.walls.is_some() && balls.iter().any(out)),
-            balls: balls.clone(),
-        }
-    }
-}
-
-impl Base {
-    fn new(simulation: &Simulation, grid: &mut Grid) -> Self {
-        let Simulation { world, tally, time, ref balls, .. } = *simulation;
-        let overlap = deepest_overlap(grid, balls);
-        let covered: f64 = balls.iter().map(|ball| 4.0 * ball.radius * ball.radius).sum();
-        let widest = balls.iter().map(|ball| 2.0 * ball.radius).fold(0.0, f64::max);
-        let roomy = covered < ROOMY * world.size.x * world.size.y
-            && widest < ROOMY * world.size.min_element()
-            && (overlap.is_none_or(|(_, depth)| depth <= TOUCH) || world.pairs != Some(Pairs::Impulse));
-        let elastic = balls.iter().all(|ball| ball.restitution == 1.0)
-            && world.walls.is_none_or(|restitution| restitution == 1.0)
-            && world.gravity.is_none();
-        Self {
-            momentum: momentum(balls),
-            tally,
-            time,
-            mass: balls.iter().filter(|ball| !ball.is_fixed()).map(|ball| ball.mass).sum(),
-            scale: scale(&world, balls),
-            least: kinetic_energy(balls) + potential_energy(&world, balls),
-            moving: moving(balls),
-            overlap: overlap.map_or(0.0, |(_, depth)| depth),
-            fixed: balls.iter().any(Ball::is_fixed),
-            roomy,
-            lossless: elastic && roomy,
-        }
-    }
-}
-
-/// Whether the state is one that the solver has computed: `contact` only shows what lies between two of its substeps.
-fn is_whole(simulation: &Simulation) -> bool {
-    let steps = simulation.time * f64::from(substeps(simulation));
-    simulation.solver != Solver::Contact || (steps - steps.round()).abs() <= WHOLE
-}
-
-/// What times are known to, s.
-fn instant(simulation: &Simulation) -> f64 {
-    let shown = match simulation.solver {
-        Solver::Canvas | Solver::Exact => INSTANT,
-        Solver::Contact => INSTANT + WHOLE / f64::from(substeps(simulation)),
-    };
-    shown + EPSILON * simulation.time
-}
-
-fn substeps(simulation: &Simulation) -> u32 {
-    simulation.tuning.substeps.unwrap_or(SUBSTEPS)
-}
-
-/// Whether a ball that flies freely touches no wall for so many seconds: it is never nearer to one than a small part of
-/// its radius.
-fn stays_inside(world: &World, ball: &Ball, gravity: DVec2, seconds: f64) -> bool {
-    if world.walls.is_none() {
-        return true;
-    }
-    let margin = ball.radius * (1.0 + TOUCH) + EPSILON * world.size.max_element();
-    (0..2).all(|axis| {
-        let (at, velocity, pull) = (ball.position[axis], ball.velocity[axis], gravity[axis]);
-        let (low, high) = (margin, world.size[axis] - margin);
-        let inside = |way: f64| at + way > low && at + way < high;
-        let flown = |time: f64| inside((velocity + 0.5 * pull * time) * time);
-        let turn = -velocity / pull;
-        let turns = turn > 0.0 && turn < seconds;
-        // The demo's step goes beyond the parabola.
-        let beyond = (velocity + pull * seconds) * seconds;
-        inside(0.0) && flown(seconds) && (!turns || flown(turn)) && inside(beyond)
-    })
-}
-
-fn check_finite(balls: &[Ball]) -> Result<(), Violation> {
-    let lost = |ball: &Ball| !(ball.position.is_finite() && ball.velocity.is_finite());
-    match balls.iter().position(lost) {
-        Some(ball) => Err(Violation { law: Law::Finite, ball: Some(ball), found: 1.0, allowed: 0.0 }),
-        None => Ok(()),
-    }
-}
-
-/// The pair that overlaps most, by the first of the two, and by how much of the smaller radius; what rounding makes of
-/// touching balls does not count.
-fn deepest_overlap(grid: &mut Grid, balls: &[Ball]) -> Option<(usize, f64)> {
-    let mut deepest: Option<(usize, f64)> = None;
-    grid.for_each(balls, |i, j| {
-        let (a, b) = (&balls[i as usize], &balls[j as usize]);
-        if a.is_fixed() && b.is_fixed() {
-            return;
-        }
-        let rounding = EPSILON * a.position.abs().max_element();
-        let depth = a.radius + b.radius - a.position.distance(b.position) - rounding;
-        let depth = depth / a.radius.min(b.radius);
-        if depth > deepest.map_or(0.0, |(_, deepest)| deepest) {
-            deepest = Some((i as usize, depth));
-        }
-    });
-    deepest
-}
-
-/// How far a ball reaches beyond a wall, px; negative inside.
-fn beyond_walls(world: &World, ball: &Ball) -> f64 {
-    let before = DVec2::splat(ball.radius) - ball.position;
-    let behind = ball.position + ball.radius - world.size;
-    before.max(behind).max_element()
-}
-
-/// How far rounding lets a ball reach beyond a wall, px.
-fn reach(world: &World, ball: &Ball) -> f64 {
-    TOUCH * ball.radius + EPSILON * world.size.max_element()
-}
-
-/// The energy as the sum of what each ball has, whatever the sign: what rounding is a part of.
-fn scale(world: &World, balls: &[Ball]) -> f64 {
-    let potential = |&ball: &Ball| potential_energy(world, &[ball]).abs();
-    kinetic_energy(balls) + balls.iter().map(potential).sum::<f64>()
-}
-
-/// The sum of the balls' momenta, whatever their directions.
-fn moving(balls: &[Ball]) -> f64 {
-    let free = balls.iter().filter(|ball| !ball.is_fixed());
-    free.map(|ball| ball.mass * ball.velocity.length()).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::{Advance, Frame, Part};
+    use crate::simulation::{Advance, Frame, Part, World};
 
     /// A solver that does one thing wrong, and nothing else.
     #[derive(Debug)]

@@ -1,0 +1,96 @@
+//! What the accounts begin with, and what the frame before was.
+
+use glam::DVec2;
+
+use crate::simulation::ball::Ball;
+use crate::simulation::grid::Grid;
+use crate::simulation::invariants::{kinetic_energy, momentum, potential_energy};
+use crate::simulation::world::{Pairs, World};
+use crate::simulation::{Simulation, Solver, Tally};
+
+use super::measures::{TOUCH, beyond_walls, deepest_overlap, is_whole, moving, reach, scale};
+
+/// Where the squares round the balls cover more of the world than this, or one of them reaches over more than this of it,
+/// they may be jammed, and a jam takes energy and leans on the walls.
+const ROOMY: f64 = 0.5;
+
+/// A frame that held.
+#[derive(Debug)]
+pub(super) struct Before {
+    pub(super) world: World,
+    pub(super) solver: Solver,
+    pub(super) balls: Vec<Ball>,
+    pub(super) time: f64,
+    pub(super) energy: f64,
+    /// Whether the state was one that the solver had computed.
+    pub(super) whole: bool,
+    /// Whether no accounts begin with it: a ball was not wholly between the walls, or it was within a substep.
+    pub(super) unfit: bool,
+}
+
+/// What the accounts begin with.
+#[derive(Debug)]
+pub(super) struct Base {
+    pub(super) momentum: DVec2,
+    pub(super) tally: Tally,
+    pub(super) time: f64,
+    /// The mass of all balls that move.
+    pub(super) mass: f64,
+    /// The largest energy that was seen, counting each ball's apart from its sign.
+    pub(super) scale: f64,
+    /// The lowest energy that was seen.
+    pub(super) least: f64,
+    /// The largest sum of the balls' momenta that was seen, each counted apart from its direction.
+    pub(super) moving: f64,
+    /// The deepest overlap at first, and with `exact` since, as a fraction of the smaller radius.
+    pub(super) overlap: f64,
+    pub(super) fixed: bool,
+    /// Whether balls can always get out of each other's way.
+    pub(super) roomy: bool,
+    /// Whether nothing takes energy.
+    pub(super) lossless: bool,
+}
+
+impl Before {
+    pub(super) fn new(simulation: &Simulation, energy: f64) -> Self {
+        let Simulation { world, solver, time, ref balls, .. } = *simulation;
+        let out = |ball: &Ball| !ball.is_fixed() && beyond_walls(&world, ball) > reach(&world, ball);
+        Self {
+            world,
+            solver,
+            time,
+            energy,
+            whole: is_whole(simulation),
+            unfit: !is_whole(simulation) || (world.walls.is_some() && balls.iter().any(out)),
+            balls: balls.clone(),
+        }
+    }
+}
+
+impl Base {
+    pub(super) fn new(simulation: &Simulation, grid: &mut Grid) -> Self {
+        let Simulation { world, tally, time, ref balls, .. } = *simulation;
+        let overlap = deepest_overlap(grid, balls);
+        let covered: f64 = balls.iter().map(|ball| 4.0 * ball.radius * ball.radius).sum();
+        let widest = balls.iter().map(|ball| 2.0 * ball.radius).fold(0.0, f64::max);
+        let roomy = covered < ROOMY * world.size.x * world.size.y
+            && widest < ROOMY * world.size.min_element()
+            && (overlap.is_none_or(|(_, depth)| depth <= TOUCH) || world.pairs != Some(Pairs::Impulse));
+        let elastic = balls.iter().all(|ball| ball.restitution == 1.0)
+            && world.walls.is_none_or(|restitution| restitution == 1.0)
+            && world.gravity.is_none();
+        Self {
+            momentum: momentum(balls),
+            tally,
+            time,
+            mass: balls.iter().filter(|ball| !ball.is_fixed()).map(|ball| ball.mass).sum(),
+            scale: scale(&world, balls),
+            least: kinetic_energy(balls) + potential_energy(&world, balls),
+            moving: moving(balls),
+            overlap: overlap.map_or(0.0, |(_, depth)| depth),
+            fixed: balls.iter().any(Ball::is_fixed),
+            roomy,
+            lossless: elastic && roomy,
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What is measured of balls, and how far rounding blurs it.
+
+use glam::DVec2;
+
+use crate::simulation::ball::Ball;
+use crate::simulation::grid::Grid;
+use crate::simulation::invariants::{kinetic_energy, potential_energy};
+use crate::simulation::world::World;
+use crate::simulation::{Simulation, Solver};
+
+use super::law::{Law, Violation};
+
+/// The deepest overlap that counts as rounding, as a part of the smaller radius.
+pub(super) const TOUCH: f64 = 1e-6;
+/// Positions and times are rounded to this part of them, a few operations long.
+pub(super) const EPSILON: f64 = 8.0 * f64::EPSILON;
+/// Times are known to this, s, whatever their size: twice what `exact` shows frames at multiples of.
+const INSTANT: f64 = 1.0 / (1_u64 << 45) as f64;
+/// A time so near to the end of a substep, as a part of one, is that end.
+const WHOLE: f64 = 1e-7;
+/// Substeps of `contact` in a second, or an integer part of those, unless it was told otherwise.
+const SUBSTEPS: u32 = 240;
+
+/// Whether the state is one that the solver has computed: `contact` only shows what lies between two of its substeps.
+pub(super) fn is_whole(simulation: &Simulation) -> bool {
+    let steps = simulation.time * f64::from(substeps(simulation));
+    simulation.solver != Solver::Contact || (steps - steps.round()).abs() <= WHOLE
+}
+
+/// What times are known to, s.
+pub(super) fn instant(simulation: &Simulation) -> f64 {
+    let shown = match simulation.solver {
+        Solver::Canvas | Solver::Exact => INSTANT,
+        Solver::Contact => INSTANT + WHOLE / f64::from(substeps(simulation)),
+    };
+    shown + EPSILON * simulation.time
+}
+
+pub(super) fn substeps(simulation: &Simulation) -> u32 {
+    simulation.tuning.substeps.unwrap_or(SUBSTEPS)
+}
+
+/// Whether a ball that flies freely touches no wall for so many seconds: it is never nearer to one than a small part of
+/// its radius.
+pub(super) fn stays_inside(world: &World, ball: &Ball, gravity: DVec2, seconds: f64) -> bool {
+    if world.walls.is_none() {
+        return true;
+    }
+    let margin = ball.radius * (1.0 + TOUCH) + EPSILON * world.size.max_element();
+    (0..2).all(|axis| {
+        let (at, velocity, pull) = (ball.position[axis], ball.velocity[axis], gravity[axis]);
+        let (low, high) = (margin, world.size[axis] - margin);
+        let inside = |way: f64| at + way > low && at + way < high;
+        let flown = |time: f64| inside((velocity + 0.5 * pull * time) * time);
+        let turn = -velocity / pull;
+        let turns = turn > 0.0 && turn < seconds;
+        // The demo's step goes beyond the parabola.
+        let beyond = (velocity + pull * seconds) * seconds;
+        inside(0.0) && flown(seconds) && (!turns || flown(turn)) && inside(beyond)
+    })
+}
+
+pub(super) fn check_finite(balls: &[Ball]) -> Result<(), Violation> {
+    let lost = |ball: &Ball| !(ball.position.is_finite() && ball.velocity.is_finite());
+    match balls.iter().position(lost) {
+        Some(ball) => Err(Violation { law: Law::Finite, ball: Some(ball), found: 1.0, allowed: 0.0 }),
+        None => Ok(()),
+    }
+}
+
+/// The pair that overlaps most, by the first of the two, and by how much of the smaller radius; what rounding makes of
+/// touching balls does not count.
+pub(super) fn deepest_overlap(grid: &mut Grid, balls: &[Ball]) -> Option<(usize, f64)> {
+    let mut deepest: Option<(usize, f64)> = None;
+    grid.for_each(balls, |i, j| {
+        let (a, b) = (&balls[i as usize], &balls[j as usize]);
+        if a.is_fixed() && b.is_fixed() {
+            return;
+        }
+        let rounding = EPSILON * a.position.abs().max_element();
+        let depth = a.radius + b.radius - a.position.distance(b.position) - rounding;
+        let depth = depth / a.radius.min(b.radius);
+        if depth > deepest.map_or(0.0, |(_, deepest)| deepest) {
+            deepest = Some((i as usize, depth));
+        }
+    });
+    deepest
+}
+
+/// How far a ball reaches beyond a wall, px; negative inside.
+pub(super) fn beyond_walls(world: &World, ball: &Ball) -> f64 {
+    let before = DVec2::splat(ball.radius) - ball.position;
+    let behind = ball.position + ball.radius - world.size;
+    before.max(behind).max_element()
+}
+
+/// How far rounding lets a ball reach beyond a wall, px.
+pub(super) fn reach(world: &World, ball: &Ball) -> f64 {
+    TOUCH * ball.radius + EPSILON * world.size.max_element()
+}
+
+/// The energy as the sum of what each ball has, whatever the sign: what rounding is a part of.
+pub(super) fn scale(world: &World, balls: &[Ball]) -> f64 {
+    let potential = |&ball: &Ball| potential_energy(world, &[ball]).abs();
+    kinetic_energy(balls) + balls.iter().map(potential).sum::<f64>()
+}
+
+/// The sum of the balls' momenta, whatever their directions.
+pub(super) fn moving(balls: &[Ball]) -> f64 {
+    let free = balls.iter().filter(|ball| !ball.is_fixed());
+    free.map(|ball| ball.mass * ball.velocity.length()).sum()
+}
