@@ -1,0 +1,118 @@
+//! What rests falls asleep, and wakes when it has to.
+
+use super::*;
+
+/// A column of balls, and one that slides along the floor until it hits the lowest, after 4 s.
+fn struck_column() -> Simulation {
+    let mut balls: Vec<_> = (0..5).map(|k| ball(600.0, 590.0 - 20.0 * f64::from(k), 10.0)).collect();
+    balls.push(moving(ball(100.0, 590.0, 10.0), 120.0, 0.0));
+    simulation(world(1000.0, 600.0, 0.5).with_gravity(EARTH).unwrap(), balls)
+}
+
+#[test]
+fn a_column_at_rest_sleeps_and_falls_when_its_foot_is_knocked_away() {
+    let mut simulation = struck_column();
+    simulation.advance(3.0).unwrap();
+    let before = simulation.balls().to_vec();
+    simulation.advance(0.5).unwrap();
+    assert_eq!(simulation.balls()[..5], before[..5]);
+    assert!(simulation.balls()[..5].iter().all(|ball| ball.velocity() == DVec2::ZERO));
+    simulation.advance(6.0).unwrap();
+    let after = simulation.balls();
+    assert!(
+        after[4].position().y > before[4].position().y + 19.0,
+        "the top is still at {}",
+        after[4].position()
+    );
+    for ball in after {
+        let lies_on = |other: &Ball| {
+            let apart = ball.position().distance(other.position());
+            other.position().y > ball.position().y && apart < ball.radius() + other.radius() + 0.1
+        };
+        let at = ball.position();
+        assert!(at.y > 589.9 || after.iter().any(lies_on), "one hangs in the air at {at}");
+    }
+}
+
+/// Two balls on each other, asleep.
+fn sleeping_pair() -> Simulation {
+    let balls = vec![ball(600.0, 590.0, 10.0), ball(600.0, 570.0, 10.0)];
+    let mut simulation = simulation(world(4000.0, 600.0, 0.5).with_gravity(EARTH).unwrap(), balls);
+    simulation.advance(2.0).unwrap();
+    assert_eq!(fastest(&simulation), 0.0);
+    simulation
+}
+
+#[test]
+fn a_sleeper_falls_when_a_bullet_takes_its_support_away() {
+    for speed in [1e3, 3e3, 6e3, 2e4] {
+        let mut simulation = sleeping_pair();
+        simulation.add(&[moving(ball(588.9, 590.0, 1.0), speed, 0.0)]).unwrap();
+        simulation.advance(0.5).unwrap();
+        let upper = simulation.balls()[1].position();
+        assert!(upper.y > 589.0, "{speed}: it hangs at {upper}");
+    }
+}
+
+#[test]
+fn however_heavy_a_ball_that_is_put_on_sleepers_it_rests_there() {
+    for mass in [1e3, 1e4, 1e6, 1e9, 1e12] {
+        let mut simulation = sleeping_pair();
+        simulation.add(&[ball(600.0, 550.0, 10.0).with_mass(mass).unwrap()]).unwrap();
+        for _ in 0..300 {
+            simulation.advance(FRAME).unwrap();
+            assert!(fastest(&simulation) < 10.0, "{mass}: {} px/s", fastest(&simulation));
+        }
+        assert!(overlap(&simulation) < 0.05, "{mass}: {}", overlap(&simulation));
+    }
+}
+
+#[test]
+fn a_ball_that_swings_against_a_wall_never_sleeps_at_its_turning_points() {
+    for (across, start) in [(980.0, 30.717), (400.0, 12.55), (100.0, 3.156), (100.0, 12.5), (100.0, 50.0)] {
+        let gravity = DVec2::new(across, 980.0);
+        let lone = vec![ball(390.0 - start, 390.0, 10.0)];
+        let mut simulation = simulation(world(400.0, 400.0, 1.0).with_gravity(gravity).unwrap(), lone);
+        for second in 0..10 {
+            let mut farthest = 390.0_f64;
+            for _ in 0..60 {
+                simulation.advance(FRAME).unwrap();
+                farthest = farthest.min(simulation.balls()[0].position().x);
+            }
+            let reached = 390.0 - farthest;
+            assert!(reached > 0.98 * start, "{across}, {start}: {reached} px in second {second}");
+        }
+    }
+}
+
+#[test]
+fn what_lands_on_a_sleeping_pile_wakes_it_and_leaves_no_overlap() {
+    let text = "solver = \"contact\"\nsize = [300, 6000]\ngravity = [0, 980]\n[walls]\nrestitution = 0.3\n[pairs]\n\
+                [[ball]]\nposition = [150, 30]\nradius = 25\nmass = 100\nrestitution = 0.3\n\
+                [[fill]]\ncount = 150\nradius = [6, 9]\nrestitution = 0.3\nregion = [0, 5600, 300, 6000]\n";
+    let mut simulation = Scene::parse("drop", text).unwrap().build().unwrap();
+    simulation.advance(3.2).unwrap();
+    let rest = simulation.balls().to_vec();
+    let still = |ball: &&Ball| ball.velocity() == DVec2::ZERO;
+    assert!(rest.iter().filter(still).count() > 100, "the pile did not fall asleep");
+    simulation.advance(0.3).unwrap();
+    let moved = simulation.balls().iter().zip(&rest).filter(|(now, then)| now.position() != then.position());
+    assert!(moved.count() > 50);
+    simulation.advance(10.0).unwrap();
+    assert_eq!(fastest(&simulation), 0.0);
+    assert!(overlap(&simulation) < 0.05);
+}
+
+#[test]
+fn a_pile_that_fell_asleep_stands_still_to_the_bit() {
+    let mut pile = pile(300);
+    pile.advance(10.0).unwrap();
+    assert_eq!(fastest(&pile), 0.0);
+    assert!(overlap(&pile) < 0.05);
+    let (before, touching) = (pile.balls().to_vec(), pile.touching().to_vec());
+    for frame in [1.0 / 60.0, 1.0 / 144.0, 0.0, 100.0] {
+        pile.advance(frame).unwrap();
+    }
+    assert_eq!((pile.balls(), pile.touching()), (&before[..], &touching[..]));
+    assert!((pile.time() - 110.0).abs() < 0.1);
+}
