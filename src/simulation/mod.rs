@@ -15,6 +15,7 @@ mod impulse;
 pub mod invariants;
 pub mod ledger;
 pub mod limits;
+mod simultaneous;
 mod solver;
 mod world;
 

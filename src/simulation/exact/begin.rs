@@ -58,6 +58,7 @@ impl Exact {
             at_once: 0,
             unwatched: 0,
             credit: 0,
+            beside: false,
             near: Vec::new(),
             found: Vec::new(),
             propped: Vec::new(),

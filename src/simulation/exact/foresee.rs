@@ -5,6 +5,7 @@ use crate::simulation::flight::{self, NEVER, Pair};
 use super::calendar::Entry;
 use super::cells::{Border, END};
 use super::flights::{Against, Marks};
+use super::together::AT_HAND;
 use super::{Exact, Needs};
 
 /// An event is an event more to whoever looks at the watch for each so many balls near it.
@@ -251,16 +252,20 @@ impl Exact {
         let flight = &self.flights[slot];
         let pair = |other: usize| self.pair::<N>(slot, other, now);
         let inside = |other: usize| N::DETECT && self.overlap(slot, other);
-        let mut first = First { time: flight.impact, partner: END };
+        let mut first = First { time: flight.impact, partner: END, touches: false };
         let mut accelerated = Few::default();
         let meet_accelerated = |other: usize, first: &mut First| {
+            let pair = pair(other);
+            if pair.are_within(AT_HAND) {
+                first.touches = true;
+            }
             let pull = self.pull::<N>(other) - self.pull::<N>(slot);
             // A meeting after the next impact of either of them does not count.
             let limit = first.time.min(self.flights[other].impact);
             let time = if inside(other) {
-                pair(other).part_accelerated(pull, limit - now)
+                pair.part_accelerated(pull, limit - now)
             } else {
-                pair(other).meet_accelerated(pull, limit - now)
+                pair.meet_accelerated(pull, limit - now)
             };
             first.or(now + time, other, self.flights[other].impact);
         };
@@ -275,18 +280,27 @@ impl Exact {
                     meet_accelerated(other, &mut first);
                 }
             } else {
-                let time = if inside(other) { pair(other).part() } else { pair(other).meet() };
+                let pair = pair(other);
+                let time = if inside(other) {
+                    pair.part()
+                } else if pair.are_within(AT_HAND) {
+                    first.touches = true;
+                    pair.meet()
+                } else {
+                    pair.meet_from_afar()
+                };
                 first.or(now + time, other, self.flights[other].impact);
             }
         });
         for &other in accelerated.all() {
             meet_accelerated(other, &mut first);
         }
+        self.beside |= first.touches;
         if N::GRAVITY {
             self.unwatched += near / NEAR_PER_EVENT;
         }
         if first.partner != END {
-            let First { time, partner } = first;
+            let First { time, partner, .. } = first;
             let partner = partner as usize;
             (self.flights[slot].impact, self.flights[slot].against) = (time, Against::ball(partner));
             let other = &mut self.flights[partner];
@@ -304,6 +318,8 @@ struct First {
     time: f64,
     /// [`END`] while none has been found.
     partner: u32,
+    /// Whether any of those that were looked at touches the ball.
+    touches: bool,
 }
 
 impl First {

@@ -208,6 +208,7 @@ impl Exact {
         let e = if chatter.0 || chatter.1 { 1.0 } else { restitution };
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
         let pressed = N::GRAVITY && self.pulls[rests1] != self.pulls[rests2];
+        let plain = least == 0.0 && !chatter.0 && !chatter.1 && !self.wedged();
         let (meeting, e) = if pressed || least > 0.0 {
             let hop = if pressed && !self.wedged() { self.least_hop(restitution) } else { 0.0 };
             (meeting.parting_at(least.max(hop), restitution), restitution)
@@ -238,7 +239,11 @@ impl Exact {
             self.set_out(slot, (position, velocity + change), now);
         }
         tally.impacts += 1;
+        self.beside = false;
         self.foresee_both::<N>(one, other, now);
+        if self.beside && plain {
+            self.collide_together::<N>(tally, [(one, v1), (other, v2)], now);
+        }
         for slot in [one, other] {
             if self.marks[slot].chatter() == Marks::MOST_CHATTER {
                 self.settle::<N>(slot, now);

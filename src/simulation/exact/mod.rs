@@ -9,6 +9,7 @@
 //! - `flights`: what is known of a ball;
 //! - `foresee`: which event comes next for a ball, and the crossing of borders between cells;
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
+//! - `together`: what happens where several balls meet at one time;
 //! - `settle`: how they come to rest on each other;
 //! - `cells`, `calendar`: where balls are, and the queue.
 
@@ -19,6 +20,7 @@ mod flights;
 mod foresee;
 mod impacts;
 mod settle;
+mod together;
 
 use std::fmt::Debug;
 
@@ -74,6 +76,8 @@ pub(super) struct Exact {
     /// When the events began that came since at one time, as good as, s since the year began, and how many they are.
     instant: f64,
     at_once: usize,
+    /// Whether a ball that was looked at since this was cleared touches another one.
+    beside: bool,
     /// Events taken since the caller's watch was looked at.
     unwatched: u32,
     /// Events that may yet be spent on the search for groups at rest; below 0 it waits.

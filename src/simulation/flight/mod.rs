@@ -104,12 +104,18 @@ impl Pair {
     /// What overlaps and is at rest neither approaches nor parts, and would stay so for ever: it meets now, too.
     #[inline]
     pub(super) fn meet(&self) -> f64 {
+        if self.are_within(ROUNDING) {
+            return self.meet_at_once(self.distance.dot(self.velocity));
+        }
+        self.meet_from_afar()
+    }
+
+    /// The same where they do not touch.
+    #[inline]
+    pub(super) fn meet_from_afar(&self) -> f64 {
         let b = self.distance.dot(self.velocity);
         let square = self.reach * self.reach;
         let c = self.distance.length_squared() - square;
-        if c <= ROUNDING * square {
-            return self.meet_at_once(b);
-        }
         let across = self.distance.perp_dot(self.velocity);
         let discriminant = self.velocity.length_squared() * square - across * across;
         // Whether they meet is a toss that no processor can foretell: there is no branch for it.
@@ -117,6 +123,19 @@ impl Pair {
         let misses = if discriminant >= 0.0 { 0.0 } else { NEVER };
         // Of a NaN and another number, `max` is the other.
         (c / (discriminant.sqrt() - b)).max(parts + misses)
+    }
+
+    /// Whether they touch, or nearly so: the square of their distance is greater than that at which they touch by no more
+    /// than this part.
+    #[inline]
+    pub(super) fn are_within(&self, part: f64) -> bool {
+        let square = self.reach * self.reach;
+        self.distance.length_squared() - square <= part * square
+    }
+
+    /// Whether they approach each other: what rounding makes of none is none.
+    pub(super) fn closes_in(&self) -> bool {
+        self.approaches(self.distance.dot(self.velocity))
     }
 
     /// Whether they touch, or are apart, and do not approach each other: then they never meet in straight flight.

@@ -109,7 +109,7 @@ fn three_at_once() -> Case {
     Case::new("three-at-once", "a ball hits two that touch each other at one time, e = 1", move || {
         setup().map_err(told)
     })
-    // Which order impacts at one time have is nobody's law: what is not symmetric is not a failure.
+    // Newton's law of impact is of two: an order among impacts at one time, which is not symmetric, is not a failure.
     .holds(Measure::AtEnd("skewed by", Box::new(skew)), 1e-9, f64::INFINITY)
     .keeps_momentum()
     .keeps_energy()

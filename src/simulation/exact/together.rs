@@ -1,0 +1,133 @@
+//! What happens where a ball meets several others at one time.
+//!
+//! One after the other, such impacts would depend on which of them is taken first, and a scene that is its own mirror
+//! image would not stay so. They are solved as one (see `simultaneous`).
+
+use glam::DVec2;
+
+use crate::simulation::Tally;
+use crate::simulation::flight::Pair;
+use crate::simulation::simultaneous::{Body, Contact, exchange};
+
+use super::flights::{Marks, Matter};
+use super::{Exact, LEAN, Needs};
+
+/// Balls touch where the square of their distance is greater than that at which they do by no more than this part:
+/// their times of impact round differently, and balls that part by so little do so within a time that no frame shows.
+pub(super) const AT_HAND: f64 = 1e-11;
+/// Impacts at one time that are solved as one. More of them are taken one after the other.
+const MOST_TOGETHER: usize = 64;
+
+/// The balls that meet at one time, and the pairs of them that do.
+#[derive(Debug, Default)]
+struct Group {
+    slots: Vec<usize>,
+    positions: Vec<DVec2>,
+    bodies: Vec<Body>,
+    contacts: Vec<Contact>,
+}
+
+impl Exact {
+    /// Makes one impact of that of two balls, which has just been taken, and of all that others which they touch have with
+    /// them, or with others again, at this time. The two had these velocities before.
+    ///
+    /// Nothing changes where there are no others, or where any of them comes to rest.
+    #[cold]
+    pub(super) fn collide_together<N: Needs>(
+        &mut self,
+        tally: &mut Tally,
+        two: [(usize, DVec2); 2],
+        now: f64,
+    ) {
+        let Some(mut group) = self.group::<N>(two, now) else { return };
+        if group.contacts.len() < 2 {
+            return;
+        }
+        let Some(pushed) = exchange(&mut group.bodies, &group.contacts) else { return };
+        // One of them has been counted.
+        tally.impacts += pushed as u64 - 1;
+        self.hits += 2 * (pushed - 1);
+        for (index, &slot) in group.slots.iter().enumerate() {
+            let velocity = group.bodies[index].velocity;
+            if index < 2 {
+                self.flights[slot].velocity = velocity;
+                continue;
+            }
+            self.set_out(slot, (group.positions[index], velocity), now);
+            let marks = &mut self.marks[slot];
+            marks.set(Marks::HIT, true);
+            marks.set(Marks::LEANS, false);
+            marks.note_chatter(false);
+        }
+        for &slot in &group.slots {
+            self.foresee::<N>(slot, now);
+        }
+    }
+
+    /// All balls that meet these two, or each other, at this time; [`None`] where there are too many, or one of them may
+    /// come to rest.
+    fn group<N: Needs>(&self, two: [(usize, DVec2); 2], now: f64) -> Option<Group> {
+        let cells = self.cells.as_ref()?;
+        let mut group = Group::default();
+        for (slot, velocity) in two {
+            self.join::<N>(&mut group, slot, velocity, now)?;
+        }
+        let mut at = 0;
+        while at < group.slots.len() {
+            let slot = group.slots[at];
+            let mut near = Vec::new();
+            cells.for_each_near::<N>(slot, None, self.flights[slot].place, None, |other| near.push(other));
+            for other in near {
+                let known = group.slots.iter().position(|&slot| slot == other);
+                if known.is_some_and(|known| known < at) {
+                    continue;
+                }
+                let (position, velocity) = match known {
+                    Some(known) => (group.positions[known], group.bodies[known].velocity),
+                    None => self.state::<N>(other, now),
+                };
+                let (matter, theirs) = (self.matter::<N>(slot), self.matter::<N>(other));
+                let own = group.bodies[at].velocity;
+                let pair = Pair {
+                    distance: position - group.positions[at],
+                    velocity: velocity - own,
+                    reach: matter.radius + theirs.radius,
+                    own,
+                    slow: 0.0,
+                    dull: 0.0,
+                };
+                if !(pair.are_within(AT_HAND) && pair.closes_in()) {
+                    continue;
+                }
+                let restitution = matter.restitution.min(theirs.restitution);
+                let closing = -pair.velocity.dot(pair.distance) / pair.distance.length();
+                // What hits slowly may chatter, and come to rest.
+                let rests = (N::GRAVITY || restitution < 1.0) && closing < LEAN * self.rest_speed;
+                if rests || group.contacts.len() == MOST_TOGETHER {
+                    return None;
+                }
+                let second = match known {
+                    Some(known) => known,
+                    None => self.join::<N>(&mut group, other, velocity, now)?,
+                };
+                group.contacts.push(Contact { first: at, second, distance: -pair.distance, restitution });
+            }
+            at += 1;
+        }
+        Some(group)
+    }
+
+    /// Adds a ball with this velocity to a group; its place there, or [`None`] where walls or others hold it.
+    fn join<N: Needs>(&self, group: &mut Group, slot: usize, velocity: DVec2, now: f64) -> Option<usize> {
+        let Matter { mass, .. } = *self.matter::<N>(slot);
+        let marks = self.marks[slot];
+        let fixed = mass == f64::INFINITY;
+        if N::GRAVITY && !fixed && (marks.rests() != 0 || marks.has(Marks::HELD)) {
+            return None;
+        }
+        group.slots.push(slot);
+        group.positions.push(self.state::<N>(slot, now).0);
+        group.bodies.push(Body { velocity, inverse_mass: 1.0 / mass });
+        Some(group.slots.len() - 1)
+    }
+}

@@ -1,0 +1,76 @@
+//! The law of impact where several balls touch at one time: Moreau's (1988), with Newton's restitution at each contact.
+//!
+//! Contacts push, and never pull; where one pushes, its two balls part with their restitution times the speed that they
+//! approached with, and where none is needed, they part faster: λ ≥ 0, v′ + e·v ≥ 0, and λ·(v′ + e·v) = 0 at each. So no
+//! order of the impacts has to be chosen, momentum is kept, and energy never rises, nor falls where e = 1:
+//! ΔE = ½·Σ λ·(v′ + v) = −½·Σ λ·(1 − e)·|v|.
+
+use glam::DVec2;
+
+/// A ball that takes part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Body {
+    /// px/s.
+    pub velocity: DVec2,
+    /// 0 where it is fixed.
+    pub inverse_mass: f64,
+}
+
+/// Two balls that touch, and approach each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Contact {
+    pub first: usize,
+    pub second: usize,
+    /// From the second to the first, px: of any length, since a unit vector's rounding would make the energy drift.
+    pub distance: DVec2,
+    pub restitution: f64,
+}
+
+/// The sweeps after which the impulses must have come to their limits.
+const SWEEPS: usize = 10_000;
+/// They have where the next sweep would change no speed by more than this part of the balls' own.
+const SETTLED: f64 = 4.0 * f64::EPSILON;
+
+/// Gives bodies their velocities after all contacts' impulses; how many contacts push. [`None`], and nothing changed, where
+/// the impulses do not settle: with masses too unequal.
+///
+/// The complementarity problem is solved by projected Gauss–Seidel sweeps, to rounding.
+pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usize> {
+    let closing = |bodies: &[Body], contact: &Contact| {
+        (bodies[contact.second].velocity - bodies[contact.first].velocity).dot(contact.distance)
+    };
+    let before = bodies.to_vec();
+    let approaches: Vec<f64> = contacts.iter().map(|contact| closing(bodies, contact)).collect();
+    let speeds = |contact: &Contact| {
+        (bodies[contact.first].velocity.length() + bodies[contact.second].velocity.length())
+            * contact.distance.length()
+    };
+    let scale = contacts.iter().map(speeds).fold(0.0, f64::max);
+    let mut impulses = vec![0.0; contacts.len()];
+    for _ in 0..SWEEPS {
+        let mut largest = 0.0_f64;
+        for ((contact, impulse), approach) in contacts.iter().zip(&mut impulses).zip(&approaches) {
+            let (first, second) = (bodies[contact.first], bodies[contact.second]);
+            let give = contact.distance.length_squared() * (first.inverse_mass + second.inverse_mass);
+            let short = closing(bodies, contact) + contact.restitution * approach;
+            let change = (*impulse + short / give).max(0.0) - *impulse;
+            *impulse += change;
+            largest = largest.max(change.abs() * give);
+            bodies[contact.first].velocity += contact.distance * (change * first.inverse_mass);
+            bodies[contact.second].velocity -= contact.distance * (change * second.inverse_mass);
+        }
+        if largest <= SETTLED * scale {
+            // Anew and in one go: the roundings of all sweeps have added up.
+            bodies.copy_from_slice(&before);
+            for (contact, &impulse) in contacts.iter().zip(&impulses) {
+                let (first, second) =
+                    (before[contact.first].inverse_mass, before[contact.second].inverse_mass);
+                bodies[contact.first].velocity += contact.distance * (impulse * first);
+                bodies[contact.second].velocity -= contact.distance * (impulse * second);
+            }
+            return Some(impulses.iter().filter(|&&impulse| impulse > 0.0).count());
+        }
+    }
+    bodies.copy_from_slice(&before);
+    None
+}
