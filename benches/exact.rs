@@ -1,6 +1,6 @@
 //! What the `exact` solver reaches: impacts per second, published figures that take too long for a test.
 //!
-//! `cargo bench --bench exact` runs all but the long ones; names choose: `speed`, `galperin`, `pressure` (some minutes;
+//! `cargo bench --bench exact` runs all but the long ones; names choose: `speed`, `galperin`, `pressure` (many minutes;
 //! with densities, those alone: `pressure 0.2 0.5`), `million`.
 
 use std::f64::consts::{PI, TAU};
@@ -175,8 +175,8 @@ fn pressure_between_walls(side: usize, eta: f64, impacts: u64) -> (f64, f64) {
     (mean, (squares / f64::from(BLOCKS * (BLOCKS - 1))).sqrt())
 }
 
-/// The pressure of hard discs, without what the walls add to it: that goes as 1/L, so it falls out of twice the Z of
-/// 4N discs less the Z of N. The larger gas counts twice in the noise; twice the impacts make the least of it.
+/// The pressure of hard discs, without what the walls add to it: that goes as 1/L, so it falls out of four times the Z of
+/// 16N discs less the Z of N. The larger gas counts four times in the noise, and has four times the impacts.
 fn pressure(eta: f64) {
     const IMPACTS: u64 = 40_000_000;
     let published = virial_series(eta);
@@ -189,12 +189,13 @@ fn pressure(eta: f64) {
         );
     };
     println!("η = {eta}: Z = {published:.5} by the virial series (Clisby & McCoy 2006)");
-    let [small, large] = [(100, IMPACTS), (200, 2 * IMPACTS)].map(|(side, impacts)| {
+    let [small, large] = [(100, IMPACTS), (400, 4 * IMPACTS)].map(|(side, impacts)| {
         let measured = pressure_between_walls(side, eta, impacts);
         show(&format!("{} discs between walls", side * side), measured);
         measured
     });
-    show("extrapolated to no walls", (2.0 * large.0 - small.0, (2.0 * large.1).hypot(small.1)));
+    let extrapolated = ((4.0 * large.0 - small.0) / 3.0, (4.0 * large.1).hypot(small.1) / 3.0);
+    show("extrapolated to no walls", extrapolated);
 }
 
 fn main() {
