@@ -15,6 +15,8 @@ use super::{Advance, Frame, Part};
 
 /// The most balls for which comparing all pairs is cheaper than keeping a grid (measured: they draw level near 40).
 const ALL_PAIRS_MOST: usize = 40;
+/// More touching pairs than this, 256 MiB of them, are not kept to be put in order, but looked for in order.
+const MOST_PAIRS: usize = 1 << 25;
 
 /// The canvas demo's frame step.
 #[derive(Debug, Clone)]
@@ -68,11 +70,13 @@ impl Canvas {
                 frame.show_overlaps::<FIXED>(grid);
             }
             (Search::Grid(grid), Some(form)) => {
-                grid.find(frame.balls);
+                let all = grid.find_up_to(MOST_PAIRS, frame.balls);
                 grid.sort();
                 match form {
-                    Form::Elastic => in_order(grid, frame, collide::<true, FIXED>),
-                    Form::Inelastic => in_order(grid, frame, collide::<false, FIXED>),
+                    Form::Elastic if all => in_order(grid, frame, collide::<true, FIXED>),
+                    Form::Inelastic if all => in_order(grid, frame, collide::<false, FIXED>),
+                    Form::Elastic => all_pairs(frame, collide::<true, FIXED>),
+                    Form::Inelastic => all_pairs(frame, collide::<false, FIXED>),
                 }
             }
         }

@@ -91,6 +91,8 @@ const FEWEST: usize = 4;
 /// A ball touches no more others that are at least half as large, in one direction, unless balls are in each other: of a
 /// crowd at one point each is held apart from so many at a time, and the rest comes when these are gone.
 const MOST_BESIDE: usize = 64;
+/// More balls than this in the cells beside one are a crowd, of which the first that touch it are enough.
+const CROWD: usize = 256;
 /// Marks a ball that is kept out of the cells.
 const NO_CELL: u32 = u32::MAX;
 /// The beginning of a chain.
@@ -137,10 +139,25 @@ impl Grid {
     ///
     /// Balls with a NaN or an infinity touch nothing.
     pub fn find(&mut self, balls: &[Ball]) {
+        self.find_up_to(usize::MAX, balls);
+    }
+
+    /// The same, unless there are more pairs than `most`: then none of them is kept. Whether all were.
+    pub(super) fn find_up_to(&mut self, most: usize, balls: &[Ball]) -> bool {
         let mut touching = std::mem::take(&mut self.touching);
         touching.clear();
-        self.for_each(balls, |i, j| touching.push((i, j)));
+        let mut too_many = false;
+        self.for_each(balls, |i, j| {
+            too_many |= touching.len() == most;
+            if !too_many {
+                touching.push((i, j));
+            }
+        });
+        if too_many {
+            touching = Vec::new();
+        }
         self.touching = touching;
+        !too_many
     }
 
     /// Calls `contact` with each pair (i, j), i < j, that touches, in no particular order, and keeps none of them.
@@ -181,8 +198,19 @@ impl Grid {
         pair: impl Fn(u32, u32) -> P,
     ) {
         let mut found = 0;
+        let mut smallest = None;
         self.neighbours(rows, &mut |ball: &Entry, others: &[Entry]| {
             let before = found;
+            if others.len() > CROWD {
+                let smallest = *smallest.get_or_insert_with(|| self.smallest());
+                pairs.truncate(found);
+                pairs.extend(
+                    ball.not_too_many(others, smallest)
+                        .map(|other| pair(ball.index.min(other.index), ball.index.max(other.index))),
+                );
+                found = pairs.len();
+                return;
+            }
             // Each is written, and the next writes over it where it did not touch: no branch that cannot be foreseen.
             if pairs.len() < found + others.len() {
                 pairs.resize(2 * (found + others.len()), pair(0, 0));
@@ -193,7 +221,7 @@ impl Grid {
             }
             if found > before + MOST_BESIDE {
                 found = before;
-                for other in ball.not_too_many(others) {
+                for other in ball.not_too_many(others, 0.0) {
                     pairs[found] = pair(ball.index.min(other.index), ball.index.max(other.index));
                     found += 1;
                 }
@@ -346,6 +374,11 @@ impl Grid {
         });
     }
 
+    /// The smallest radius of a disc in the cells, px.
+    fn smallest(&self) -> f64 {
+        self.sorted.iter().map(|entry| entry.radius).fold(f64::INFINITY, f64::min)
+    }
+
     /// The discs that were sorted to a cell.
     fn in_cell(&self, cell: usize) -> &[Entry] {
         &self.sorted[self.starts[cell] as usize..self.starts[cell + 1] as usize]
@@ -370,17 +403,24 @@ impl Entry {
         Self { position: disc.centre(), radius: disc.radius(), index: index as u32 }
     }
 
-    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more.
-    fn not_too_many<'a>(&self, others: &'a [Self]) -> impl Iterator<Item = &'a Self> {
+    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more. None of them is
+    /// smaller than `smallest`.
+    fn not_too_many<'a>(&self, others: &'a [Self], smallest: f64) -> impl Iterator<Item = &'a Self> {
         let Self { position, radius, .. } = *self;
+        let all_large = 2.0 * smallest >= radius;
         let mut left = MOST_BESIDE;
-        others.iter().filter(move |other| {
+        let takes = move |other: &'a Self| {
+            // Of a crowd no more are looked at than are needed.
+            if left == 0 && all_large {
+                return None;
+            }
             let beside = touch(position, radius, other.position, other.radius);
             let large = beside && 2.0 * other.radius >= radius;
             let takes = beside && !(large && left == 0);
             left -= usize::from(large && takes);
-            takes
-        })
+            Some(takes.then_some(other))
+        };
+        others.iter().map_while(takes).flatten()
     }
 }
 
@@ -496,5 +536,39 @@ mod tests {
         balls[12].radius = 7000.0;
         balls[12].position.x = f64::NAN;
         assert_eq!(found(&balls, DVec2::splat(50.0)), all_pairs(&balls));
+    }
+
+    #[test]
+    fn more_pairs_than_were_asked_for_are_none() {
+        let balls = vec![Ball::new(DVec2::splat(50.0), 1.0).unwrap(); 20];
+        let mut grid = Grid::new(&balls, DVec2::splat(100.0));
+        assert!(grid.find_up_to(190, &balls));
+        assert_eq!(grid.touching().len(), 190);
+        assert!(!grid.find_up_to(189, &balls));
+        assert_eq!(grid.touching(), []);
+    }
+
+    #[test]
+    fn of_a_crowd_each_ball_has_so_many_pairs_with_large_ones_and_all_with_small_ones() {
+        let at = |radius: f64| Ball::new(DVec2::splat(50.0), radius).unwrap();
+        for small in [0, 100] {
+            let mut balls = vec![at(4.0); 1000];
+            balls.extend(vec![at(1.0); small]);
+            let mut pairs = Vec::new();
+            Grid::new(&balls, DVec2::splat(100.0)).collect(&balls, &mut pairs, |i, j| (i, j));
+            let mut counts = vec![0; balls.len()];
+            for &(i, j) in &pairs {
+                let large = j < 1000;
+                assert!(i < j && i < 1000 + small as u32);
+                counts[i as usize] += usize::from(large);
+                counts[j as usize] += usize::from(large);
+            }
+            // Each in one direction; in the other as many may have it.
+            assert!(counts[..1000].iter().all(|&count| count >= MOST_BESIDE), "{small}");
+            let all_large = pairs.iter().filter(|&&(i, j)| i < 1000 && j < 1000).count();
+            assert!(all_large <= 1000 * MOST_BESIDE, "{small}: {all_large}");
+            let mixed = pairs.iter().filter(|&&(i, j)| i < 1000 && j >= 1000).count();
+            assert_eq!(mixed, 1000 * small);
+        }
     }
 }
