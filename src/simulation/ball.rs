@@ -9,8 +9,8 @@ use super::limits::{
 /// A disc with a position, a velocity, a radius, a mass and a coefficient of restitution.
 ///
 /// A `Ball` that exists is valid: its numbers are finite and in the ranges of [`limits`](super::limits), so no solver
-/// checks them again. Only the mass of a [fixed](Self::fixed) ball is infinite. Lengths are in px with y growing downward,
-/// times in seconds.
+/// checks them again. Only the mass of a [fixed](Self::fixed) ball is infinite. Lengths are in px with y growing
+/// downward, times in seconds.
 ///
 /// ```
 /// use carom::{Ball, DVec2};
@@ -28,7 +28,7 @@ pub struct Ball {
     pub(super) position: DVec2,
     pub(super) velocity: DVec2,
     pub(super) radius: f64,
-    /// Infinite for a fixed ball: its inverse is 0 wherever one is wanted, and no ball is larger for a flag.
+    /// Infinite for a fixed ball: its inverse is 0 wherever one is wanted, and no flag makes balls larger in memory.
     pub(super) mass: f64,
     pub(super) restitution: f64,
 }
@@ -83,8 +83,8 @@ impl Ball {
     }
 
     /// The same ball, fixed for good: nothing moves it, neither gravity nor walls nor balls, and balls bounce off it as
-    /// off a wall. Its mass is infinite, and it is at rest, whatever mass and velocity it had; it takes no others. Fixed
-    /// balls do not notice each other, and may overlap.
+    /// off a wall. Its mass is infinite, and it is at rest, whatever mass and velocity it had; it takes no others.
+    /// Fixed balls do not notice each other, and may overlap.
     ///
     /// ```
     /// use carom::{Ball, DVec2};

@@ -84,7 +84,7 @@ impl Canvas {
 }
 
 impl Advance for Canvas {
-    /// Always finishes: a frame costs about the same whatever happens in it, and half a demo's frame is none of its.
+    /// Always finishes: a frame costs about the same whatever happens in it, and the demo has no half frames.
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, _: &mut dyn FnMut() -> bool) -> f64 {
         if self.fixed {
             self.advance_as::<true>(frame, seconds);
@@ -186,6 +186,7 @@ fn in_order(grid: &Grid, frame: &mut Frame<'_>, mut contact: impl FnMut(&mut Fra
     }
 }
 
+/// Flags a pair that touches; fixed balls do not notice each other.
 fn show<const FIXED: bool>(frame: &mut Frame<'_>, i: usize, j: usize) {
     if FIXED && frame.balls[i].is_fixed() && frame.balls[j].is_fixed() {
         return;
@@ -194,13 +195,14 @@ fn show<const FIXED: bool>(frame: &mut Frame<'_>, i: usize, j: usize) {
     frame.touching[j] = true;
 }
 
+/// Flags a pair that touches, and exchanges its momentum.
 fn collide<const ELASTIC: bool, const FIXED: bool>(frame: &mut Frame<'_>, i: usize, j: usize) {
     show::<FIXED>(frame, i, j);
     let form = if ELASTIC { Form::Elastic } else { Form::Inelastic };
     let (first, second) = (&frame.balls[i], &frame.balls[j]);
     if FIXED && (first.is_fixed() || second.is_fixed()) {
         let (index, free, fixed) = if second.is_fixed() { (i, first, second) } else { (j, second, first) };
-        // Neither may be free: then both are at rest, and do not approach.
+        // Both may be fixed: then both are at rest, and do not approach.
         if let Some(velocity) = canvas_rebound(form, free, fixed) {
             frame.balls[index].velocity = velocity;
             frame.tally.impacts += 1;

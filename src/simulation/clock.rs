@@ -13,15 +13,19 @@ const SECOND: f64 = (1_u128 << SECOND_BITS) as f64;
 const SHOWN: u128 = 1 << 34;
 
 impl Clock {
-    /// The time `seconds` later, not negative.
+    /// The time `seconds` later; `seconds` is not negative.
     pub(super) fn after(self, seconds: f64) -> Self {
         Self(self.0 + (seconds * SECOND) as u128)
     }
 
+    /// The nearest time at which a frame is shown.
+    fn shown(self) -> Self {
+        Self((self.0 + SHOWN / 2) / SHOWN * SHOWN)
+    }
+
     /// The nearest time at which a frame is shown, in seconds since `origin`, a time before.
     pub(super) fn shown_since(self, origin: Self) -> f64 {
-        let shown = (self.0 + SHOWN / 2) / SHOWN * SHOWN;
-        shown.saturating_sub(origin.0) as f64 / SECOND
+        self.shown().seconds_since(origin)
     }
 
     /// The last time at which a frame is shown that is not later than `seconds` after this one.
@@ -29,10 +33,10 @@ impl Clock {
         Self(self.after(seconds).0 / SHOWN * SHOWN)
     }
 
-    /// The whole steps of 1/`rate` s that are over when a frame is shown at this time, and the seconds since then; 0 where
-    /// these are within the rounding of what is shown.
+    /// The whole steps of 1/`rate` s that are over when a frame is shown at this time, and the seconds since the last
+    /// of them ended: 0 where these are within the rounding of what is shown.
     pub(super) fn steps(self, rate: u32) -> (u64, f64) {
-        let shown = (self.0 + SHOWN / 2) / SHOWN * SHOWN;
+        let Self(shown) = self.shown();
         let steps = ((shown + SHOWN) * u128::from(rate)) >> SECOND_BITS;
         let begun = (steps << SECOND_BITS) / u128::from(rate);
         let rest = shown.saturating_sub(begun);

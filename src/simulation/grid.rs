@@ -88,8 +88,9 @@ const ROUND_TO_BITS: f64 = 1.5 * (1_u64 << 52) as f64;
 const MOST_DOUBLINGS: usize = 14;
 /// The fewest cells on an axis: with four, a cell's neighbours on both sides are different cells.
 const FEWEST: usize = 4;
-/// A ball touches no more others that are at least half as large, in one direction, unless balls are in each other: of a
-/// crowd at one point each is held apart from so many at a time, and the rest comes when these are gone.
+/// The most others, at least half as large, that [`Grid::collect`] pairs a ball with from one run of cells. Balls that
+/// do not lie in each other are fewer; of a crowd at one point each is held apart from so many at a time, and from the
+/// rest when these are gone.
 const MOST_BESIDE: usize = 64;
 /// More balls than this in the cells beside one are a crowd, of which the first that touch it are enough.
 const CROWD: usize = 256;
@@ -108,7 +109,7 @@ impl Grid {
 
     /// The same for discs of any kind.
     pub(super) fn for_discs(discs: &[impl Disc], size: DVec2) -> Self {
-        let reach = reach(discs);
+        let reach = best_reach(discs);
         let width = 2.0 * MARGIN * reach;
         // The cells that an axis takes, up to the next power of two.
         let axis = |length: f64| {
@@ -172,7 +173,8 @@ impl Grid {
         self.compare_large(&mut contact);
     }
 
-    /// Puts each pair of `discs` that touches into `pairs`, in no particular order.
+    /// Replaces `pairs` by each pair of `discs` that touches, in no particular order, and at most [`MOST_BESIDE`] of a
+    /// crowd.
     pub(super) fn collect<P: Copy>(
         &mut self,
         discs: &[impl Disc],
@@ -189,8 +191,8 @@ impl Grid {
         self.rows
     }
 
-    /// Puts each pair that touches and of which the first is found in one of these rows into `pairs`, those that are too
-    /// large for the cells left out. The discs must have been sorted into the cells.
+    /// Replaces `pairs` by each pair that touches and is found from these rows of cells; discs too large for the cells
+    /// are left out. The discs must have been sorted into the cells.
     pub(super) fn collect_rows<P: Copy>(
         &self,
         rows: Range<usize>,
@@ -230,7 +232,8 @@ impl Grid {
         pairs.truncate(found);
     }
 
-    /// Whether the last search compared more discs that are too large for the cells than it has discs in cells.
+    /// Whether the last search compared more pairs of discs that are too large for the cells than there are discs:
+    /// other cells would suit them better.
     pub(super) fn misfits(&self) -> bool {
         self.large.len().pow(2) / 2 > self.sorted.len() + self.large.len()
     }
@@ -345,7 +348,7 @@ impl Grid {
         }
     }
 
-    /// Inserts a disc, or one that has moved at its new place; where it was sorted to it stays, too.
+    /// Inserts a disc that is new, or has moved; where it was sorted to it stays, too.
     pub(super) fn insert(&mut self, index: u32, disc: &impl Disc) {
         let Insertions { chained, lasts, large } = &mut *self.inserted;
         if disc.radius() > self.reach {
@@ -359,7 +362,8 @@ impl Grid {
         chained.push(Inserted { index, before });
     }
 
-    /// Calls `visit` with each disc, sorted or inserted, that may touch one of `radius` about `centre`, and others.
+    /// Calls `visit` with each disc that may touch one of `radius` about `centre`, among others; one that was sorted
+    /// and inserted may come twice.
     pub(super) fn for_each_near(&self, centre: DVec2, radius: f64, mut visit: impl FnMut(u32)) {
         self.large.iter().for_each(|entry| visit(entry.index));
         self.inserted.large.iter().for_each(|&index| visit(index));
@@ -426,7 +430,7 @@ impl Entry {
 
 /// The radius that the cells are made for: the one with the fewest comparisons, where those of the balls in cells grow
 /// with the cells' area over that of the balls, and those of the larger balls among each other with their square.
-fn reach(discs: &[impl Disc]) -> f64 {
+fn best_reach(discs: &[impl Disc]) -> f64 {
     let mut radii: Vec<f64> = discs.iter().map(Disc::radius).collect();
     radii.sort_unstable_by(f64::total_cmp);
     let (Some(&smallest), Some(&largest)) = (radii.first(), radii.last()) else { return 1.0 };
@@ -442,13 +446,14 @@ fn reach(discs: &[impl Disc]) -> f64 {
     candidates.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(largest, |(_, reach)| reach)
 }
 
-/// The integer nearest to a coordinate in cells less a half, as a number of cells on the torus: monotonic, without a
-/// branch, and the same for all coordinates of a cell.
+/// The number, on a torus of `count` cells, of the cell that a coordinate in cells lies in.
 #[inline]
 fn wrap(coordinate: f64, count: usize) -> usize {
     (bits(coordinate) as usize) & (count - 1)
 }
 
+/// A number whose low bits are those of the integer nearest to a coordinate in cells less a half: monotonic, without a
+/// branch, and the same for all coordinates of a cell.
 #[inline]
 fn bits(coordinate: f64) -> u64 {
     // A NaN stays one and lands in some cell, where it touches nothing.

@@ -22,7 +22,7 @@ pub(super) enum Form {
 }
 
 /// The velocities of two touching balls after their impact in the demo's own arithmetic, operation by operation;
-/// `None` where the impact would leave them parting more slowly than they meet it, that is, where they part already.
+/// `None` where the impact would leave them approaching each other, that is, where they part already.
 ///
 /// Every sum and product is taken in the demo's order, because the result is compared with it bit for bit.
 #[inline]
@@ -51,8 +51,8 @@ pub(super) fn canvas_impact(form: Form, first: &Ball, second: &Ball) -> Option<(
 }
 
 /// The velocity of a ball after its impact on a fixed one: what [`canvas_impact`] tends to as the other's mass grows.
-/// `None` where it does not approach, whatever the restitution: the demo's balls of restitution 0 stick to each other, but
-/// none sticks to what is fixed.
+/// `None` where it does not approach, whatever the restitution: the demo's balls of restitution 0 stick to each other,
+/// but none sticks to what is fixed.
 #[inline]
 pub(super) fn canvas_rebound(form: Form, ball: &Ball, fixed: &Ball) -> Option<DVec2> {
     let normal = normal(ball.position - fixed.position);
@@ -68,40 +68,40 @@ pub(super) fn canvas_rebound(form: Form, ball: &Ball, fixed: &Ball) -> Option<DV
     Some(normal * (-e * along) + tangent * across)
 }
 
-/// The changes of velocity of two balls whose relative position is `distance` and whose relative velocity is
-/// `velocity` (first less second), by an impact with restitution `e`. `shares` of the change of relative velocity are
-/// theirs: each the other's mass over the sum of both.
+/// The changes of velocity of two balls whose relative position is `offset` and whose relative velocity is `velocity`
+/// (first less second), by an impact with restitution `e`. `shares` of the change of relative velocity are theirs: each
+/// the other's mass over the sum of both.
 ///
 /// It is written with Δv·Δr/|Δr|²·Δr, without a unit normal, whose rounding would make the energy drift.
 #[inline]
-pub(super) fn exact_impact(distance: DVec2, velocity: DVec2, shares: (f64, f64), e: f64) -> (DVec2, DVec2) {
-    let distance = direction(distance);
-    let change = distance * (-(1.0 + e) * velocity.dot(distance) / distance.length_squared());
+pub(super) fn exact_impact(offset: DVec2, velocity: DVec2, shares: (f64, f64), e: f64) -> (DVec2, DVec2) {
+    let offset = direction(offset);
+    let change = offset * (-(1.0 + e) * velocity.dot(offset) / offset.length_squared());
     (change * shares.0, change * -shares.1)
 }
 
-/// The same where walls may hold a ball, or one is fixed: `yields` are the balls' inverse masses axis by axis, 0 where one
-/// cannot give way. Balls that are both held in the line of centres keep their velocities.
+/// The same where walls may hold a ball, or one is fixed, by the balls' inverse masses along each axis: 0 where one
+/// cannot give way. Balls that are both held along the line of centres keep their velocities.
 pub(super) fn held_impact(
-    distance: DVec2,
+    offset: DVec2,
     velocity: DVec2,
-    yields: (DVec2, DVec2),
+    inverse_masses: (DVec2, DVec2),
     e: f64,
 ) -> (DVec2, DVec2) {
-    let distance = direction(distance);
-    let (first, second) = (yields.0 * distance, yields.1 * distance);
-    let give = (first + second).dot(distance);
-    if give <= 0.0 {
+    let offset = direction(offset);
+    let (first, second) = (inverse_masses.0 * offset, inverse_masses.1 * offset);
+    let yielding = (first + second).dot(offset);
+    if yielding <= 0.0 {
         return (DVec2::ZERO, DVec2::ZERO);
     }
-    let impulse = -(1.0 + e) * velocity.dot(distance) / give;
+    let impulse = -(1.0 + e) * velocity.dot(offset) / yielding;
     (first * impulse, -second * impulse)
 }
 
-/// The line of centres, of any length.
+/// A vector of any length along the line of centres.
 #[inline]
-fn direction(distance: DVec2) -> DVec2 {
-    if distance.length_squared() < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { distance }
+fn direction(offset: DVec2) -> DVec2 {
+    if offset.length_squared() < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { offset }
 }
 
 /// The unit vector along `difference`, component by component over its length.
@@ -177,15 +177,15 @@ mod tests {
     const RESTITUTIONS: [f64; 4] = [0.0, 1e-12, 0.5, 1.0];
 
     /// The impact of two free balls, in both forms of the law.
-    fn free_impacts(distance: DVec2, velocity: DVec2, (m1, m2): (f64, f64), e: f64) -> [(DVec2, DVec2); 2] {
+    fn free_impacts(offset: DVec2, velocity: DVec2, (m1, m2): (f64, f64), e: f64) -> [(DVec2, DVec2); 2] {
         let shares = (m2 / (m1 + m2), m1 / (m1 + m2));
-        let yields = (DVec2::splat(1.0 / m1), DVec2::splat(1.0 / m2));
-        [exact_impact(distance, velocity, shares, e), held_impact(distance, velocity, yields, e)]
+        let inverse_masses = (DVec2::splat(1.0 / m1), DVec2::splat(1.0 / m2));
+        [exact_impact(offset, velocity, shares, e), held_impact(offset, velocity, inverse_masses, e)]
     }
 
     /// How far the speed of parting is from e times that of approach, as a fraction of the relative speed.
-    fn violation(distance: DVec2, velocity: DVec2, (first, second): (DVec2, DVec2), e: f64) -> f64 {
-        let along = distance.normalize();
+    fn violation(offset: DVec2, velocity: DVec2, (first, second): (DVec2, DVec2), e: f64) -> f64 {
+        let along = offset.normalize();
         let approach = -velocity.dot(along);
         let parting = (velocity + first - second).dot(along);
         (parting - e * approach).abs() / velocity.length()
@@ -193,19 +193,19 @@ mod tests {
 
     #[test]
     fn momentum_and_the_law_of_restitution_hold_for_all_ratios_of_masses() {
-        let distance = DVec2::new(-12.0, 5.0);
+        let offset = DVec2::new(-12.0, 5.0);
         for mass in [1.0, 3.0, 1e4, 1e9, 1e14] {
             for e in RESTITUTIONS {
                 for velocity in [DVec2::new(40.0, 7.0), DVec2::new(1e8, -1e8), DVec2::new(1e-6, 0.0)] {
                     for (m1, m2) in [(1.0, mass), (mass, 1.0)] {
-                        for changes in free_impacts(distance, velocity, (m1, m2), e) {
+                        for changes in free_impacts(offset, velocity, (m1, m2), e) {
                             let (first, second) = changes;
                             let given = m1 * first;
                             assert!((given + m2 * second).length() <= 4.0 * f64::EPSILON * given.length());
                             // They push along the line of centres, and away from each other.
-                            assert!(first.perp_dot(distance).abs() <= 52.0 * f64::EPSILON * first.length());
-                            assert!(first.dot(distance) > 0.0 && second.dot(distance) < 0.0);
-                            assert!(violation(distance, velocity, changes, e) <= 4.0 * f64::EPSILON);
+                            assert!(first.perp_dot(offset).abs() <= 52.0 * f64::EPSILON * first.length());
+                            assert!(first.dot(offset) > 0.0 && second.dot(offset) < 0.0);
+                            assert!(violation(offset, velocity, changes, e) <= 4.0 * f64::EPSILON);
                         }
                     }
                 }
@@ -216,15 +216,15 @@ mod tests {
     #[test]
     fn energy_is_kept_where_all_is_given_back_and_otherwise_lost_as_the_law_says() {
         // ΔE = −½ μ (1 − e²) vₙ² with the reduced mass μ.
-        let (distance, m2) = (DVec2::new(3.0, 4.0), 5.0);
+        let (offset, m2) = (DVec2::new(3.0, 4.0), 5.0);
         let (v1, v2) = (DVec2::new(-60.0, -10.0), DVec2::new(15.0, 20.0));
         for m1 in [1.0, 1e4, 1e9, 1e14] {
             for e in RESTITUTIONS {
                 // ½m(v + Δv)² − ½mv², without the difference of the squares.
                 let gained = |mass: f64, v: DVec2, change: DVec2| mass * change.dot(v + 0.5 * change);
-                let approach = (v1 - v2).dot(distance) / 5.0;
+                let approach = (v1 - v2).dot(offset) / 5.0;
                 let lost = 0.5 * (1.0 - e * e) * approach * approach / (1.0 / m1 + 1.0 / m2);
-                for (first, second) in free_impacts(distance, v1 - v2, (m1, m2), e) {
+                for (first, second) in free_impacts(offset, v1 - v2, (m1, m2), e) {
                     let (one, other) = (gained(m1, v1, first), gained(m2, v2, second));
                     assert!((one + other + lost).abs() <= 8.0 * f64::EPSILON * (one.abs() + other.abs()));
                 }
@@ -235,17 +235,17 @@ mod tests {
     #[test]
     fn a_ball_that_a_wall_holds_moves_along_the_wall_only() {
         // The one rests on the floor; the other comes from above, to the right of it.
-        let (distance, velocity) = (DVec2::new(-6.0, 8.0), DVec2::new(3.0, -50.0));
+        let (offset, velocity) = (DVec2::new(-6.0, 8.0), DVec2::new(3.0, -50.0));
         for mass in [1.0, 1e14] {
             for e in RESTITUTIONS {
-                let yields = (DVec2::new(1.0 / mass, 0.0), DVec2::ONE);
-                let changes = held_impact(distance, velocity, yields, e);
+                let inverse_masses = (DVec2::new(1.0 / mass, 0.0), DVec2::ONE);
+                let changes = held_impact(offset, velocity, inverse_masses, e);
                 let (first, second) = changes;
                 assert_eq!(first.y, 0.0);
                 assert!(first.x < 0.0 && second.x > 0.0 && second.y < 0.0);
                 // The floor takes the vertical momentum and nothing of the horizontal.
                 assert!((mass * first.x + second.x).abs() <= 4.0 * f64::EPSILON * second.x);
-                assert!(violation(distance, velocity, changes, e) <= 4.0 * f64::EPSILON);
+                assert!(violation(offset, velocity, changes, e) <= 4.0 * f64::EPSILON);
             }
         }
     }
@@ -262,9 +262,9 @@ mod tests {
 
     #[test]
     fn coincident_centres_give_the_exact_law_a_fixed_direction_too() {
-        for distance in [DVec2::ZERO, DVec2::new(0.0, 1e-200)] {
+        for offset in [DVec2::ZERO, DVec2::new(0.0, 1e-200)] {
             for e in RESTITUTIONS {
-                for (first, second) in free_impacts(distance, DVec2::new(-8.0, 3.0), (1.0, 3.0), e) {
+                for (first, second) in free_impacts(offset, DVec2::new(-8.0, 3.0), (1.0, 3.0), e) {
                     assert!((first - DVec2::new(6.0 * (1.0 + e), 0.0)).length() <= 32.0 * f64::EPSILON);
                     assert!((second + DVec2::new(2.0 * (1.0 + e), 0.0)).length() <= 32.0 * f64::EPSILON);
                 }

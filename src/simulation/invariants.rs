@@ -10,7 +10,7 @@ use super::grid::Grid;
 use super::world::World;
 
 /// The balls that move.
-fn free(balls: &[Ball]) -> impl Iterator<Item = &Ball> {
+pub(super) fn free(balls: &[Ball]) -> impl Iterator<Item = &Ball> {
     balls.iter().filter(|ball| !ball.is_fixed())
 }
 
@@ -37,6 +37,12 @@ pub fn potential_energy(world: &World, balls: &[Ball]) -> f64 {
     free(balls).map(work).sum()
 }
 
+/// The kinetic and the potential energy of all balls, mass·px²/s².
+#[must_use]
+pub fn energy(world: &World, balls: &[Ball]) -> f64 {
+    kinetic_energy(balls) + potential_energy(world, balls)
+}
+
 /// The total momentum, mass·px/s.
 #[must_use]
 pub fn momentum(balls: &[Ball]) -> DVec2 {
@@ -58,6 +64,13 @@ pub fn max_overlap(grid: &mut Grid, balls: &[Ball]) -> f64 {
     deepest
 }
 
+/// How far a ball reaches beyond the world's edges, px; negative inside.
+pub(super) fn beyond_edges(world: &World, ball: &Ball) -> f64 {
+    let before = DVec2::splat(ball.radius) - ball.position;
+    let behind = ball.position + ball.radius - world.size;
+    before.max(behind).max_element()
+}
+
 /// The deepest that a ball reaches over a wall, as a fraction of its radius; 0 without walls. Fixed balls may stand in
 /// one.
 #[must_use]
@@ -65,18 +78,18 @@ pub fn max_wall_overlap(world: &World, balls: &[Ball]) -> f64 {
     if world.walls.is_none() {
         return 0.0;
     }
-    let depth = |ball: &Ball| {
-        let before = DVec2::splat(ball.radius) - ball.position;
-        let behind = ball.position + ball.radius - world.size;
-        before.max(behind).max_element() / ball.radius
-    };
-    free(balls).map(depth).fold(0.0, f64::max)
+    free(balls).map(|ball| beyond_edges(world, ball) / ball.radius).fold(0.0, f64::max)
+}
+
+/// Whether a ball's position and velocity are numbers.
+pub(super) fn is_finite(ball: &Ball) -> bool {
+    ball.position.is_finite() && ball.velocity.is_finite()
 }
 
 /// How many balls have a NaN or an infinity in their state. Anything but 0 is a defect of the solver.
 #[must_use]
 pub fn non_finite(balls: &[Ball]) -> usize {
-    balls.iter().filter(|ball| !(ball.position.is_finite() && ball.velocity.is_finite())).count()
+    balls.iter().filter(|ball| !is_finite(ball)).count()
 }
 
 #[cfg(test)]

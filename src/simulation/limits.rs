@@ -48,17 +48,17 @@ pub const DELTA: Quantity = Quantity { name: "delta", unit: "s", low: 0.0, high:
 pub const REST_SPEED: Quantity = Quantity { name: "rest speed", unit: "px/s", low: 1e-9, high: 1e9 };
 
 /// The rest speed of a simulation that is not told otherwise, px/s. A hop that is left out is then half a thousandth of
-/// a pixel high under the demo's gravity. Where gravity is stronger, `exact` takes any rest speed for more in proportion, so that
-/// hops are as long, and as many in a second.
+/// a pixel high under the demo's gravity.
 pub const DEFAULT_REST_SPEED: f64 = 1.0;
 
-/// Substeps in a second, of the solver that takes any: from as few as a film has pictures.
+/// Substeps in a second of `contact`: from as few as a film has pictures to 1024 times as many as it takes by default.
 pub const SUBSTEPS: Quantity = Quantity { name: "substeps", unit: "1/s", low: 24.0, high: 245_760.0 };
 
 /// The most threads that share the work of a substep.
 pub const MAX_THREADS: u32 = 256;
 
-/// The most balls that one simulation takes: their indices are `u32`, and ten million balls of `exact` fill three gigabytes.
+/// The most balls that one simulation takes: their indices are `u32`, and ten million balls of `exact` fill three
+/// gigabytes.
 pub const MAX_BALLS: usize = 10_000_000;
 
 impl Quantity {

@@ -1,8 +1,8 @@
 //! The physics: balls in a world, moved on by a solver.
 //!
-//! It imports glam and `std` and nothing else: no clock, no random numbers, no files, no window; with the feature
-//! `parallel` one file of it, `contact/team.rs`, imports rayon. Whoever owns a
-//! [`Simulation`] measures the time and hands it to [`Simulation::advance`], the only door into time.
+//! It imports glam and `std` and nothing else (but rayon in one file, `contact/team.rs`, with the feature `parallel`):
+//! no clock, no random numbers, no files, no window. Whoever owns a [`Simulation`] measures the time and hands it to
+//! [`Simulation::advance`], the only door into time.
 
 mod ball;
 mod canvas;
@@ -50,6 +50,7 @@ pub struct Simulation {
     touching: Vec<bool>,
     solver: Solver,
     tuning: Tuning,
+    /// The solver itself, made for this world and these balls, with what it remembers between frames.
     engine: Box<dyn Advance>,
     time: f64,
     tally: Tally,
@@ -81,8 +82,8 @@ pub struct Tally {
     pub impacts: u64,
     /// Impacts of a ball on a wall.
     pub wall_hits: u64,
-    /// The momentum that these have given the balls, mass·px/s. What a wall carries of balls that rest on it is not
-    /// in it, and neither is what fixed balls give to others.
+    /// The momentum that walls have given to balls in these impacts, mass·px/s: without what they carry of balls at
+    /// rest, and without what fixed balls give.
     pub wall_impulse: DVec2,
 }
 
@@ -109,18 +110,22 @@ impl Simulation {
         Ok(Self { world, balls, touching, solver, tuning, engine, time, tally })
     }
 
-    /// The same simulation with another rest speed u, px/s. [`Solver::Exact`] lays a ball to rest on a wall where it
-    /// would bounce off more slowly, lets what leans on a ball at rest hop off at u/2 at least, and takes no energy from
-    /// balls that chatter: that hit each other more slowly than u, and within 2u/g of an impact before, or faster but
-    /// within 2u²/1000g of the place of that. [`Solver::Contact`] counts no impacts slower than this, where there is gravity, and
-    /// moves nothing otherwise for it; [`Solver::Canvas`] does not know it. It starts at [`DEFAULT_REST_SPEED`].
+    /// The same simulation with another rest speed u, px/s: the speed below which bouncing counts as rest,
+    /// [`DEFAULT_REST_SPEED`] unless told otherwise.
     ///
-    /// A smaller one follows more, and smaller, bounces: the hops that are left out are up to u²/2g high, a ball that
-    /// bounces to rest does so up to 2u/g/(1 − e) seconds too early, and hops of all balls together add ½Mu²/4 to the
-    /// energy at most, about; the number of chattering impacts of balls that lie on each other grows as 1/u. A rest speed
-    /// at which hops of a hundredth of the smallest radius would be left out counts as a smaller one, and under gravity
-    /// stronger than the demo's 980 px/s² `exact` counts it in proportion. Balls that hold each other in balance, to a
-    /// thousandth of gravity, it lays to rest together; they stay so until something hits them faster than 2u.
+    /// - [`Solver::Exact`] lays a ball to rest on a wall off which it would bounce more slowly than u, and balls that
+    ///   hold each other in balance, to a thousandth of gravity g, together, until something hits them faster than 2u.
+    ///   What leans on a ball at rest hops off it at u/2 at least. Balls that chatter lose no energy: those that hit
+    ///   each other more slowly than u and within 2u/g of an impact before, or faster but within 2u²/1000g of its
+    ///   place.
+    /// - [`Solver::Contact`] leaves impacts slower than u out of the tally under gravity, and moves nothing otherwise.
+    /// - [`Solver::Canvas`] does not know it.
+    ///
+    /// With a smaller one `exact` follows more, and smaller, bounces: the hops that it leaves out are up to u²/2g high,
+    /// a ball that bounces to rest does so up to 2u/g/(1 − e) seconds too early, hops of all balls, of mass M together,
+    /// add about ½Mu²/4 to the energy at most, and the number of chattering impacts of balls that lie on each other
+    /// grows as 1/u. Under gravity stronger than the demo's 980 px/s² it takes u as larger in proportion; and it takes
+    /// u as smaller where hops of more than a hundredth of the smallest radius would be left out.
     ///
     /// # Errors
     /// [`OutOfRange`] where the speed is not in the range of rest speeds.
@@ -134,9 +139,9 @@ impl Simulation {
     /// to itself it takes 240, and a multiple of that where gravity g is strong beside the smallest radius r, so that
     /// g·h² stays under r/50 for substeps of h seconds.
     ///
-    /// Balls that fly, and meet one after the other, do so to rounding whatever the number. Piles sink in by up to a few
-    /// times g·h² where there are fewer than it would choose, and what lies on a wall of restitution 1 hops as high; cost
-    /// grows in proportion where there are more.
+    /// Balls that fly, and meet one after the other, do so to rounding whatever the number. With fewer substeps than it
+    /// would choose, piles sink in by up to a few times g·h², and what lies on a wall of restitution 1 hops as high;
+    /// with more, cost grows in proportion.
     ///
     /// # Errors
     /// [`OutOfRange`] where the number is not in the range of [`limits::SUBSTEPS`].
@@ -147,10 +152,11 @@ impl Simulation {
         Ok(self)
     }
 
-    /// The same simulation in which balls at rest may sleep, or not. Only [`Solver::Contact`] lets them: a ball that was
-    /// held, in balance, and slower than g·h/4 (for substeps of h seconds under gravity g: about 1 px/s) for half a second
-    /// stands still, until something hits it firmly, it loses a support or a load, or what acts on it is no longer in
-    /// balance. Pairs at rest cost little then, and where all sleep nothing does. They may unless told otherwise.
+    /// The same simulation in which balls at rest may sleep, or not. They may unless told otherwise, and only
+    /// [`Solver::Contact`] lets them: a ball that for half a second was held, in balance, and slower than g·h/4 (for
+    /// substeps of h seconds under gravity g: about 1 px/s) stands still, until something hits it firmly, it loses a
+    /// support or a load, or what acts on it is no longer in balance. Pairs asleep cost little; where all sleep, a
+    /// frame costs nothing.
     #[must_use]
     pub fn with_sleep(mut self, sleep: bool) -> Self {
         self.tuning.sleep = sleep;
@@ -160,8 +166,8 @@ impl Simulation {
 
     /// The same simulation with so many threads for [`Solver::Contact`], the only solver that shares its work: it does
     /// where there are some thousands of balls. The result is the same, to the bit, whatever the number. There is one
-    /// unless told otherwise, and always where carom is built without its feature `parallel`; none count as one, and more
-    /// than [`limits::MAX_THREADS`] as so many.
+    /// unless told otherwise, and always where carom is built without its feature `parallel`; 0 counts as 1, and more
+    /// than [`limits::MAX_THREADS`] as that.
     #[must_use]
     pub fn with_threads(mut self, threads: u32) -> Self {
         self.tuning.threads = threads.clamp(1, MAX_THREADS);
@@ -293,8 +299,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Moves the ball of this index, from 0, to another place, px: inside the walls, where there are any. Nothing happens
-    /// where there is no such ball.
+    /// Moves the ball of this index, from 0, to another place, px: inside the walls, where there are any. Nothing
+    /// happens where there is no such ball.
     ///
     /// # Errors
     /// [`OutOfRange`] where a coordinate is not in its range; nothing has changed then.
@@ -308,8 +314,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Moves the walls, and brings balls that are then outside back in, keeping their velocities; fixed balls stay where
-    /// they are. The world never becomes narrower than its widest ball, so that every size a window may take is allowed.
+    /// Moves the walls, and brings balls that are then outside back in, keeping their velocities; fixed balls stay
+    /// where they are. The world never becomes narrower than its widest ball, so that every size a window may take is
+    /// allowed.
     ///
     /// # Errors
     /// [`OutOfRange`] where a side is NaN, infinite or larger than a world may be; nothing has changed then.
@@ -350,14 +357,14 @@ impl Simulation {
     }
 }
 
-/// The place nearest to a ball's where it is between walls.
+/// The place between the walls of a world of `size` that is nearest to a ball's.
 fn within(ball: &Ball, size: DVec2) -> DVec2 {
     let radius = DVec2::splat(ball.radius);
     // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
     ball.position.min(size - radius).max(radius)
 }
 
-/// Whether `balls`, which come behind `before` others, fit into the world.
+/// Checks that `balls`, which come behind `before` others, fit into the world.
 fn check_fit(world: &World, balls: &[Ball], before: usize) -> Result<(), BuildError> {
     let count = before + balls.len();
     if count > MAX_BALLS {
@@ -448,7 +455,7 @@ mod tests {
         assert_eq!(simulation.touching(), [false]);
     }
 
-    /// Moves on by half of what it is asked for where it may not go on.
+    /// A solver that moves on by half of what it is asked for where it may not go on.
     #[derive(Debug)]
     struct Halting;
 

@@ -59,22 +59,26 @@ pub(super) struct Tuning {
 /// A solver is made for one world and one set of balls, and decides then which of its parts run; whoever changes
 /// either makes it anew. It keeps what it needs between frames, and leaves in `frame` what is to be shown.
 pub(super) trait Advance: fmt::Debug + Send + Sync {
-    /// Moves on by up to `seconds`, which is finite and not negative, and returns the seconds that it has moved on: less
-    /// than asked for only where `go_on` said no. `go_on` is asked now and then where the work may be long, and not
-    /// before some of it is done, so that every call gets on. `frame` then holds the state at the time returned.
+    /// Moves on by up to `seconds`, which is finite and not negative, and returns the seconds that it has moved on:
+    /// less than asked for only where `go_on` said no. `go_on` is asked now and then where the work may be long, and
+    /// not before some of it is done, so that every call gets on. `frame` then holds the state at the time returned.
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64;
-    /// Takes up balls that were added behind those that it knows, the list being that of all; whether it could. If not,
-    /// it is made anew.
+
+    /// Takes up balls that were added behind those that it knows, and returns whether it could; if not, it is made
+    /// anew. `balls` are all of them.
     fn add(&mut self, _world: &World, _balls: &[Ball]) -> bool {
         false
     }
-    /// Takes up the velocity that the ball of this index was given from outside; whether it could. If not, it is made
-    /// anew.
+
+    /// Takes up the velocity that `ball`, of this index, was given from outside, and returns whether it could; if not,
+    /// it is made anew.
     fn throw(&mut self, _index: usize, _ball: &Ball) -> bool {
         false
     }
-    /// One that goes on exactly as this one does.
+
+    /// A clone, which goes on exactly as this one does.
     fn boxed(&self) -> Box<dyn Advance>;
+
     /// The parts that run.
     fn parts(&self, world: &World) -> Vec<Part>;
 }
@@ -94,8 +98,8 @@ pub(super) struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// Flags the balls that overlap; fixed ones, where there are any, do not notice each other. Flags are the same in any
-    /// order, so no pair is kept.
+    /// Flags the balls that overlap; fixed ones, where there are any, do not notice each other. Flags are the same in
+    /// any order, so no pair is kept.
     pub(super) fn show_overlaps<const FIXED: bool>(&mut self, grid: &mut Grid) {
         let Frame { balls, touching, .. } = self;
         grid.for_each(balls, |i, j| {
@@ -121,7 +125,7 @@ impl Solver {
         }
     }
 
-    /// One of these, for a world and its balls.
+    /// A solver of this kind, made for a world and its balls.
     pub(super) fn engine(self, world: &World, balls: &[Ball], tuning: Tuning) -> Box<dyn Advance> {
         match self {
             Self::Canvas => Box::new(Canvas::new(world, balls)),

@@ -80,7 +80,7 @@ impl Pair {
                 && square + self.distance.dot(acceleration) < -ROUNDING * square)
     }
 
-    /// From when on the acceleration has carried them apart for good.
+    /// The time from which on the acceleration has carried them apart for good.
     fn horizon(&self, acceleration: DVec2) -> f64 {
         let (a, w) = (acceleration.length(), self.velocity.length());
         let far = self.distance.length() + self.reach;

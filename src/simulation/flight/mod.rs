@@ -52,8 +52,8 @@ pub(super) fn reach(gap: f64, speed: f64, acceleration: f64) -> f64 {
     }
 }
 
-/// When something `distance` away, in a direction that its steady `velocity` points to, arrives there; 0 where it points
-/// the other way: there it is behind. Both along one axis, with signs; the velocity is not 0.
+/// When something that moves at a steady `velocity`, not 0, arrives `distance` away, both along one axis, with signs; 0
+/// where it moves away from there: then it is behind.
 #[inline]
 pub(super) fn arrive(distance: f64, velocity: f64) -> f64 {
     (distance / velocity).max(0.0)
@@ -62,27 +62,28 @@ pub(super) fn arrive(distance: f64, velocity: f64) -> f64 {
 /// Rounding of the relative distance and velocity, as a fraction of the sizes they were computed from.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Balls that touch approach each other faster than this part of their speeds, or not at all: where three are pressed together
-/// and their masses are very unequal, rounding hands less than this on from one to the next for ever.
+/// Balls that touch approach each other faster than this part of their speeds, or not at all: where three are pressed
+/// together and their masses are very unequal, rounding hands less than this on from one to the next for ever.
 const BLUR: f64 = 64.0 * f64::EPSILON;
 
 /// The depth of an overlap that is no rounding, as a part of the distance at which two balls touch.
 pub(super) const DEEP: f64 = 1e-7;
 
-/// Balls that overlap at rest beside each other part so fast that they would be apart after the first, s, but not by more in
-/// a second than the other, in the distance at which they touch. Nothing in the law of impact says how fast: slower
-/// would hardly be seen as parting, and faster as an explosion.
-const APART: (f64, f64) = (0.02, 4.0);
+/// Balls that overlap at relative rest part so fast that they would be apart after this time, s. Nothing in the law of
+/// impact says how fast: slower would hardly be seen as parting, and faster as an explosion.
+const PARTING_TIME: f64 = 0.02;
+/// ... but by no more in a second than this many times the distance at which they touch.
+const FASTEST_PARTING: f64 = 4.0;
 
-/// A speed beside which smaller ones are none, px/s: halving it on and on ends in numbers that cannot be halved.
+/// The slowest speed that counts, px/s: halved on and on, speeds end in numbers that cannot be halved.
 const SLOWEST: f64 = 1e-100;
 
 /// Two balls as one sees the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pair {
-    /// The position of the other, px.
+    /// The position of the other relative to the one, px.
     pub distance: DVec2,
-    /// Its velocity, px/s.
+    /// The velocity of the other relative to the one, px/s.
     pub velocity: DVec2,
     /// The distance at which they touch, px.
     pub reach: f64,
@@ -90,8 +91,8 @@ pub(super) struct Pair {
     pub own: DVec2,
     /// The speed of parting, px/s, below which balls that overlap are at rest.
     pub slow: f64,
-    /// The speed of approach, px/s, up to which balls that touch do not meet, nor where they are pressed together: 0, but
-    /// where they have no room to part.
+    /// The speed of approach, px/s, up to which balls that touch do not meet, pressed together or not: 0 unless they
+    /// have no room to part.
     pub dull: f64,
 }
 
@@ -162,11 +163,12 @@ impl Pair {
         if b < 0.0 { (root - b) / square } else { -c / (root + b) }
     }
 
-    /// How fast the two are to part at least, px/s, where they overlap and are at rest beside each other; 0 where they do
-    /// not overlap by more than rounding.
+    /// The least speed, px/s, at which the two are to part where they overlap at relative rest; 0 where they do not
+    /// overlap by more than rounding.
     pub(super) fn least_parting(&self) -> f64 {
         let depth = self.reach - self.distance.length();
-        if depth > DEEP * self.reach { (depth / APART.0).min(self.reach * APART.1) } else { 0.0 }
+        let fastest = self.reach * FASTEST_PARTING;
+        if depth > DEEP * self.reach { (depth / PARTING_TIME).min(fastest) } else { 0.0 }
     }
 
     /// When they meet, where they touch or overlap: now or never.

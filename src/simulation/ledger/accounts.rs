@@ -4,14 +4,14 @@ use glam::DVec2;
 
 use crate::simulation::ball::Ball;
 use crate::simulation::grid::Grid;
-use crate::simulation::invariants::{kinetic_energy, momentum, potential_energy};
+use crate::simulation::invariants::{beyond_edges, energy, free, momentum};
 use crate::simulation::world::{Pairs, World};
 use crate::simulation::{Simulation, Solver, Tally};
 
-use super::measures::{TOUCH, beyond_walls, deepest_overlap, is_whole, moving, reach, scale};
+use super::measures::{TOUCH, deepest_overlap, energy_scale, is_whole, momentum_scale, wall_tolerance};
 
-/// Where the squares round the balls cover more of the world than this, or one of them reaches over more than this of it,
-/// they may be jammed, and a jam takes energy and leans on the walls.
+/// The most of the world that the squares round the balls may cover together, and of its shorter side that one of them
+/// may, for balls to get out of each other's way: others may be jammed, and a jam takes energy and leans on the walls.
 const ROOMY: f64 = 0.5;
 
 /// A frame that held.
@@ -24,7 +24,7 @@ pub(super) struct Before {
     pub(super) energy: f64,
     /// Whether the state was one that the solver had computed.
     pub(super) whole: bool,
-    /// Whether no accounts begin with it: a ball was not wholly between the walls, or it was within a substep.
+    /// Whether accounts cannot begin with it: a ball was not wholly between the walls, or it was within a substep.
     pub(super) unfit: bool,
 }
 
@@ -36,14 +36,15 @@ pub(super) struct Base {
     pub(super) time: f64,
     /// The mass of all balls that move.
     pub(super) mass: f64,
-    /// The largest energy that was seen, counting each ball's apart from its sign.
-    pub(super) scale: f64,
+    /// The largest sum of the balls' energies that was seen, each without its sign.
+    pub(super) energy_scale: f64,
     /// The lowest energy that was seen.
-    pub(super) least: f64,
-    /// The largest sum of the balls' momenta that was seen, each counted apart from its direction.
-    pub(super) moving: f64,
+    pub(super) least_energy: f64,
+    /// The largest sum of the balls' momenta that was seen, each without its direction.
+    pub(super) momentum_scale: f64,
     /// The deepest overlap at first, and with `exact` since, as a fraction of the smaller radius.
     pub(super) overlap: f64,
+    /// Whether any ball is fixed.
     pub(super) fixed: bool,
     /// Whether balls can always get out of each other's way.
     pub(super) roomy: bool,
@@ -54,7 +55,7 @@ pub(super) struct Base {
 impl Before {
     pub(super) fn new(simulation: &Simulation, energy: f64) -> Self {
         let Simulation { world, solver, time, ref balls, .. } = *simulation;
-        let out = |ball: &Ball| !ball.is_fixed() && beyond_walls(&world, ball) > reach(&world, ball);
+        let out = |ball: &Ball| !ball.is_fixed() && beyond_edges(&world, ball) > wall_tolerance(&world, ball);
         Self {
             world,
             solver,
@@ -83,10 +84,10 @@ impl Base {
             momentum: momentum(balls),
             tally,
             time,
-            mass: balls.iter().filter(|ball| !ball.is_fixed()).map(|ball| ball.mass).sum(),
-            scale: scale(&world, balls),
-            least: kinetic_energy(balls) + potential_energy(&world, balls),
-            moving: moving(balls),
+            mass: free(balls).map(|ball| ball.mass).sum(),
+            energy_scale: energy_scale(&world, balls),
+            least_energy: energy(&world, balls),
+            momentum_scale: momentum_scale(balls),
             overlap: overlap.map_or(0.0, |(_, depth)| depth),
             fixed: balls.iter().any(Ball::is_fixed),
             roomy,

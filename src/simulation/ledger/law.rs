@@ -13,23 +13,26 @@ pub enum Law {
     /// overlap, and in a crowd that is pressed together `contact` does: only `exact` is held to it. Fractions of the
     /// smaller radius.
     Overlap,
-    /// Energy does not rise. Allowed are, for all balls together: with `exact`, ½Mu² for hops at the rest speed u under
-    /// gravity; with `contact` under gravity, [`CONTACT_LIFT`](super::CONTACT_LIFT) of what was there at first, for
-    /// overlaps that are taken back, and what a speed of two substeps' gravity has; with `canvas`, in each frame, what its
-    /// step lifts a ball by where gravity took it into a wall. `contact` under gravity is not held to it where balls
-    /// overlapped to begin with, as it lifts them off each other, nor while one moves farther than its radius in a
-    /// substep, as gravity within a substep is only about right at its impacts then.
+    /// Energy, mass·px²/s², does not rise, but for what solvers add under gravity, for all balls together (of mass M):
+    /// - `canvas`, in each frame, what its step lifts a ball by where gravity took it into a wall;
+    /// - `exact`, ½Mu² for hops at the rest speed u;
+    /// - `contact`, [`CONTACT_LIFT`](super::CONTACT_LIFT) of the most that was there, for overlaps that are taken back,
+    ///   and what a speed of two substeps' gravity has.
+    ///
+    /// `exact` is not held to it while balls overlap, which it parts with energy from nowhere; nor is `contact` under
+    /// gravity where balls overlapped to begin with, as it lifts them off each other, nor while one moves farther than
+    /// its radius in a substep, as gravity within a substep is only about right at its impacts then.
     Energy,
     /// Energy does not fall where nothing takes any: elastic balls, elastic walls, no gravity, and room to move.
     EnergyKept,
-    /// The momentum is what it was, with gravity's share and that of the walls. Not where fixed balls give any, nor where
-    /// walls carry balls (`exact` with walls and gravity or no room to move, `contact` with walls): neither is tallied. Nor
-    /// with `contact` where balls overlapped to begin with.
+    /// The momentum, mass·px/s, is what it was, with gravity's share and that of the walls. Not where fixed balls give
+    /// any, nor where walls carry balls (`exact` with walls and gravity or no room to move, `contact` with walls):
+    /// neither is tallied. Nor with `contact` where balls overlapped to begin with.
     Momentum,
-    /// A ball that met nothing flew its parabola; found is how far beside it is, px. Not with `contact` where balls
-    /// bounce off each other, as what they press on each other is not flagged, nor in frames that begin or end within a
-    /// substep, as their pictures know of what happens in all of it, nor where a ball moves farther than its radius in
-    /// one: where one has no end of impacts, the substep ends early for all of these.
+    /// A ball that met nothing flew its parabola; found is how far beside it the ball is, px. Not with `contact` where
+    /// balls bounce off each other, as what they press on each other is not flagged; nor in its frames that begin or
+    /// end within a substep, as what is shown there knows of what happens in all of it; nor where a ball moves farther
+    /// than its radius in one: where one has no end of impacts, the substep ends early for all of these.
     Flight,
 }
 
@@ -42,7 +45,7 @@ pub struct Violation {
     pub ball: Option<usize>,
     /// What was found, in the law's unit.
     pub found: f64,
-    /// What it may be, in the same: at most for all but [`Law::EnergyKept`], where it is at least.
+    /// What it may be at most, in the same unit; for [`Law::EnergyKept`], at least.
     pub allowed: f64,
 }
 

@@ -4,21 +4,20 @@ use glam::DVec2;
 
 use crate::simulation::ball::Ball;
 use crate::simulation::grid::Grid;
-use crate::simulation::invariants::{kinetic_energy, potential_energy};
+use crate::simulation::invariants::{free, kinetic_energy, potential_energy};
 use crate::simulation::world::World;
 use crate::simulation::{Simulation, Solver};
 
-use super::law::{Law, Violation};
-
 /// The deepest overlap that counts as rounding, as a part of the smaller radius.
 pub(super) const TOUCH: f64 = 1e-6;
-/// Positions and times are rounded to this part of them, a few operations long.
+/// What a few operations round a number by, as a part of it.
 pub(super) const EPSILON: f64 = 8.0 * f64::EPSILON;
-/// Times are known to this, s, whatever their size: twice what `exact` shows frames at multiples of.
+/// Times are known to this, s, whatever their size: twice the 2⁻⁴⁶ s at multiples of which frames are shown.
 const INSTANT: f64 = 1.0 / (1_u64 << 45) as f64;
 /// A time so near to the end of a substep, as a part of one, is that end.
 const WHOLE: f64 = 1e-7;
-/// Substeps of `contact` in a second, or an integer part of those, unless it was told otherwise.
+/// Substeps of `contact` in a second where it was not told otherwise. It may take a multiple of them: then this sees
+/// the ends of some only.
 const SUBSTEPS: u32 = 240;
 
 /// Whether the state is one that the solver has computed: `contact` only shows what lies between two of its substeps.
@@ -60,14 +59,6 @@ pub(super) fn stays_inside(world: &World, ball: &Ball, gravity: DVec2, seconds: 
     })
 }
 
-pub(super) fn check_finite(balls: &[Ball]) -> Result<(), Violation> {
-    let lost = |ball: &Ball| !(ball.position.is_finite() && ball.velocity.is_finite());
-    match balls.iter().position(lost) {
-        Some(ball) => Err(Violation { law: Law::Finite, ball: Some(ball), found: 1.0, allowed: 0.0 }),
-        None => Ok(()),
-    }
-}
-
 /// The pair that overlaps most, by the first of the two, and by how much of the smaller radius; what rounding makes of
 /// touching balls does not count.
 pub(super) fn deepest_overlap(grid: &mut Grid, balls: &[Ball]) -> Option<(usize, f64)> {
@@ -87,26 +78,18 @@ pub(super) fn deepest_overlap(grid: &mut Grid, balls: &[Ball]) -> Option<(usize,
     deepest
 }
 
-/// How far a ball reaches beyond a wall, px; negative inside.
-pub(super) fn beyond_walls(world: &World, ball: &Ball) -> f64 {
-    let before = DVec2::splat(ball.radius) - ball.position;
-    let behind = ball.position + ball.radius - world.size;
-    before.max(behind).max_element()
-}
-
 /// How far rounding lets a ball reach beyond a wall, px.
-pub(super) fn reach(world: &World, ball: &Ball) -> f64 {
+pub(super) fn wall_tolerance(world: &World, ball: &Ball) -> f64 {
     TOUCH * ball.radius + EPSILON * world.size.max_element()
 }
 
-/// The energy as the sum of what each ball has, whatever the sign: what rounding is a part of.
-pub(super) fn scale(world: &World, balls: &[Ball]) -> f64 {
+/// The sum of the balls' energies, each without its sign: what rounding is a part of.
+pub(super) fn energy_scale(world: &World, balls: &[Ball]) -> f64 {
     let potential = |&ball: &Ball| potential_energy(world, &[ball]).abs();
     kinetic_energy(balls) + balls.iter().map(potential).sum::<f64>()
 }
 
-/// The sum of the balls' momenta, whatever their directions.
-pub(super) fn moving(balls: &[Ball]) -> f64 {
-    let free = balls.iter().filter(|ball| !ball.is_fixed());
-    free.map(|ball| ball.mass * ball.velocity.length()).sum()
+/// The sum of the balls' momenta, each without its direction: what rounding is a part of.
+pub(super) fn momentum_scale(balls: &[Ball]) -> f64 {
+    free(balls).map(|ball| ball.mass * ball.velocity.length()).sum()
 }

@@ -1,8 +1,8 @@
-//! What every frame must keep, held against it: numbers, walls, gaps, energy, momentum, free flight.
+//! The laws that every frame must keep, checked: finite numbers, walls, gaps, energy, momentum, free flight.
 //!
-//! Impacts do not tell what energy they took, so the energy is an inequality: it never rises above what was there by more
-//! than the solver's documented bound, and stays where nothing takes any. Momentum is an equation wherever the [`Tally`]
-//! knows all that walls gave. Each law says below what it leaves out, and why.
+//! Impacts do not tell what energy they took, so the energy is an inequality: it never rises above what was there by
+//! more than the solver's documented bound, and stays where nothing takes any. Momentum is an equation wherever the
+//! [`Tally`](super::Tally) knows all that walls gave. What each law leaves out, and why, stands at [`Law`].
 
 mod accounts;
 mod law;
@@ -12,17 +12,17 @@ use glam::DVec2;
 
 use super::ball::Ball;
 use super::grid::Grid;
-use super::invariants::{kinetic_energy, momentum, potential_energy};
+use super::invariants::{self, beyond_edges, free, is_finite, momentum};
 use super::world::Pairs;
 use super::{Simulation, Solver};
 use accounts::{Base, Before};
 pub use law::{Law, Violation};
 use measures::{
-    EPSILON, TOUCH, beyond_walls, check_finite, deepest_overlap, instant, is_whole, moving, reach, scale,
-    stays_inside, substeps,
+    EPSILON, TOUCH, deepest_overlap, energy_scale, instant, is_whole, momentum_scale, stays_inside, substeps,
+    wall_tolerance,
 };
 
-/// How much of the energy at first may come back with [`Solver::Contact`] under gravity.
+/// How much [`Solver::Contact`] may add to the energy under gravity, as a part of the most that was there.
 pub const CONTACT_LIFT: f64 = 1e-2;
 /// What rounding may add to an energy or a momentum in a run of an hour, as a part of the largest that was seen.
 const ROUNDING: f64 = 1e-9;
@@ -45,10 +45,10 @@ const ROUNDING_OF_IMPACT: f64 = 8.0 * f64::EPSILON;
 /// ```
 #[derive(Debug)]
 pub struct Ledger {
-    /// What balls were at the last frame that held.
     before: Before,
     base: Base,
     grid: Grid,
+    /// Whether [`Law::Flight`] is checked.
     flights: bool,
 }
 
@@ -58,11 +58,11 @@ impl Ledger {
     pub fn new(simulation: &Simulation) -> Self {
         let mut grid = Grid::new(&simulation.balls, simulation.world.size);
         let base = Base::new(simulation, &mut grid);
-        Self { before: Before::new(simulation, base.least), base, grid, flights: true }
+        Self { before: Before::new(simulation, base.least_energy), base, grid, flights: true }
     }
 
-    /// The same, without [`Law::Flight`]: where more than one advance lies between two checks, balls may have met others
-    /// that the last of them did not flag.
+    /// The same, without [`Law::Flight`]: where more than one advance lies between two checks, balls may have met
+    /// others that the last of them did not flag.
     #[must_use]
     pub fn without_flights(self) -> Self {
         Self { flights: false, ..self }
@@ -80,8 +80,8 @@ impl Ledger {
         self.before.time
     }
 
-    /// Holds the simulation as it is against the laws; call it after every [`advance`](Simulation::advance). Where balls
-    /// came or went, or the world or the solver is another, the accounts begin anew.
+    /// Holds the simulation as it is against the laws; call it after every [`advance`](Simulation::advance). Where
+    /// balls came or went, or the world or the solver is another, the accounts begin anew.
     ///
     /// # Errors
     /// The first [`Violation`]; the ledger then still has the frame before.
@@ -100,18 +100,20 @@ impl Ledger {
             *self = Self { flights: self.flights, ..Self::new(simulation) };
             return Ok(());
         }
-        self.base.moving = self.base.moving.max(moving(&simulation.balls));
+        self.base.momentum_scale = self.base.momentum_scale.max(momentum_scale(&simulation.balls));
         if is_whole(simulation) {
             let energy = self.check_energy(simulation)?;
             self.check_momentum(simulation)?;
             self.before.energy = energy;
-            let any = match simulation.solver {
+            // What may rise without bound is no less than it was: it is accounted for from here on.
+            let unbounded = match simulation.solver {
                 Solver::Canvas => false,
                 Solver::Exact => self.parts_overlaps(simulation),
                 Solver::Contact => self.is_beyond_contact(simulation),
             };
-            self.base.least = if any { energy } else { self.base.least.min(energy) };
-            self.base.scale = self.base.scale.max(scale(&simulation.world, &simulation.balls));
+            self.base.least_energy = if unbounded { energy } else { self.base.least_energy.min(energy) };
+            self.base.energy_scale =
+                self.base.energy_scale.max(energy_scale(&simulation.world, &simulation.balls));
         }
         self.check_overlap(simulation)?;
         self.check_flights(simulation)?;
@@ -126,8 +128,8 @@ impl Ledger {
             return Ok(());
         }
         for (index, (ball, before)) in simulation.balls.iter().zip(&self.before.balls).enumerate() {
-            let allowed = beyond_walls(world, before).max(reach(world, ball));
-            let found = beyond_walls(world, ball);
+            let allowed = beyond_edges(world, before).max(wall_tolerance(world, ball));
+            let found = beyond_edges(world, ball);
             if !ball.is_fixed() && found > allowed {
                 return Err(Violation { law: Law::Walls, ball: Some(index), found, allowed });
             }
@@ -155,29 +157,30 @@ impl Ledger {
     /// The energy, where it is lawful.
     fn check_energy(&self, simulation: &Simulation) -> Result<f64, Violation> {
         let (world, balls, base) = (&simulation.world, simulation.balls(), &self.base);
-        let energy = kinetic_energy(balls) + potential_energy(world, balls);
-        let deepest = world.gravity.unwrap_or_default().abs().dot(world.size) * base.mass;
-        let rounding = ROUNDING * base.scale.max(scale(world, balls)) + EPSILON * deepest;
+        let energy = invariants::energy(world, balls);
+        let fall_of_all = world.gravity.unwrap_or_default().abs().dot(world.size) * base.mass;
+        let rounding = ROUNDING * base.energy_scale.max(energy_scale(world, balls)) + EPSILON * fall_of_all;
         let allowed = rounding
             + match (simulation.solver, world.gravity) {
                 (Solver::Canvas, None) => self.before.energy,
                 (Solver::Exact, _) if self.parts_overlaps(simulation) => f64::INFINITY,
                 (Solver::Canvas, Some(gravity)) => self.before.energy + self.lifted(gravity, simulation.time),
-                (Solver::Exact | Solver::Contact, None) => base.least,
+                (Solver::Exact | Solver::Contact, None) => base.least_energy,
                 (Solver::Exact, Some(_)) => {
-                    base.least + 0.5 * base.mass * simulation.tuning.rest_speed * simulation.tuning.rest_speed
+                    let hop = simulation.tuning.rest_speed;
+                    base.least_energy + 0.5 * base.mass * hop * hop
                 }
                 (Solver::Contact, Some(_)) if self.is_beyond_contact(simulation) => f64::INFINITY,
                 (Solver::Contact, Some(gravity)) => {
                     // What begins to be held may show two kicks for a substep.
                     let kicks = 2.0 * gravity.length() / f64::from(substeps(simulation));
-                    base.least + CONTACT_LIFT * base.scale + 0.5 * base.mass * kicks * kicks
+                    base.least_energy + CONTACT_LIFT * base.energy_scale + 0.5 * base.mass * kicks * kicks
                 }
             };
         if energy > allowed {
             return Err(Violation { law: Law::Energy, ball: None, found: energy, allowed });
         }
-        let least = base.scale - rounding;
+        let least = base.energy_scale - rounding;
         if base.lossless && energy < least {
             return Err(Violation { law: Law::EnergyKept, ball: None, found: energy, allowed: least });
         }
@@ -211,7 +214,7 @@ impl Ledger {
             let moved = (ball.velocity.abs() + gravity.abs() * seconds) * seconds;
             ball.mass * gravity.abs().dot(moved)
         };
-        self.before.balls.iter().filter(|ball| !ball.is_fixed()).map(lift).sum()
+        free(&self.before.balls).map(lift).sum()
     }
 
     fn check_momentum(&self, simulation: &Simulation) -> Result<(), Violation> {
@@ -236,7 +239,7 @@ impl Ledger {
         };
         let hits = (simulation.tally.wall_hits - base.tally.wall_hits) as f64;
         let rounding = ROUNDING + ROUNDING_OF_IMPACT * hits;
-        let allowed = rounding * (base.moving + fallen.length() + given.length())
+        let allowed = rounding * (base.momentum_scale + fallen.length() + given.length())
             + EPSILON * tallied
             + base.mass * world.gravity.unwrap_or_default().length() * (instant(simulation) + held);
         let found = found.length();
@@ -287,6 +290,13 @@ impl Ledger {
             }
         }
         Ok(())
+    }
+}
+
+fn check_finite(balls: &[Ball]) -> Result<(), Violation> {
+    match balls.iter().position(|ball| !is_finite(ball)) {
+        Some(ball) => Err(Violation { law: Law::Finite, ball: Some(ball), found: 1.0, allowed: 0.0 }),
+        None => Ok(()),
     }
 }
 
