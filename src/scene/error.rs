@@ -67,10 +67,10 @@ pub struct Fault {
     pub message: String,
 }
 
-/// Longer lines are cut in messages.
-const LINE_MOST: usize = 100;
-/// So are longer messages: the parser's own quote keys, which may be as long as the file.
-const MESSAGE_MOST: usize = 500;
+/// The most characters of a line that a message quotes.
+const LONGEST_LINE: usize = 100;
+/// The most characters of a message: the parser's own quote keys, which may be as long as the file.
+const LONGEST_MESSAGE: usize = 500;
 
 /// What a file says, as a message may quote it: at most so many characters, and none that a terminal would obey.
 pub(crate) fn shown(text: &str, most: usize) -> String {
@@ -83,16 +83,16 @@ pub(crate) fn shown(text: &str, most: usize) -> String {
 }
 
 impl Fault {
-    /// A fault at the byte `offset` of `source`.
+    /// A fault at the byte `offset` of `source`, or in the whole of it.
     pub(super) fn at(origin: &str, source: &str, offset: Option<usize>, message: &str) -> Self {
-        let (origin, message) = (origin.to_owned(), shown(message, MESSAGE_MOST));
+        let (origin, message) = (origin.to_owned(), shown(message, LONGEST_MESSAGE));
         let Some(offset) = offset else {
             return Self { origin, line: None, text: String::new(), message };
         };
         // An offset within a character, which the parser never gives, counts as the line's end.
         let before = source.get(..offset).unwrap_or(source);
         let line = 1 + before.matches('\n').count();
-        let text = shown(source.lines().nth(line - 1).unwrap_or_default().trim_end(), LINE_MOST);
+        let text = shown(source.lines().nth(line - 1).unwrap_or_default().trim_end(), LONGEST_LINE);
         Self { origin, line: Some(line), text, message }
     }
 }

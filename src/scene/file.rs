@@ -17,12 +17,12 @@ use crate::simulation::limits::{
 };
 use crate::simulation::{Ball, Pairs, Solver, UnknownSolver, World};
 
-/// A speed of random balls; as a component of a velocity, but never negative.
+/// A speed of random balls: in the range of a component of a velocity, but never negative.
 static SPEED: Quantity = Quantity { name: "speed", low: 0.0, ..VELOCITY };
 /// Mass per area of random balls.
 static DENSITY: Quantity = Quantity { name: "density", unit: "per px²", ..MASS };
-/// Where nobody asks for a seed.
-pub(super) const SEED_DEFAULT: u64 = 1;
+/// The seed where nobody asks for one.
+pub(super) const DEFAULT_SEED: u64 = 1;
 
 /// Reads a scene from its text. `origin` is what messages call it.
 pub(super) fn parse(origin: &str, source: &str) -> Result<Scene, Fault> {
@@ -40,9 +40,9 @@ pub(super) fn parse(origin: &str, source: &str) -> Result<Scene, Fault> {
 const ONE_BRACKET: &str =
     "this table may come more than once; write its name in two brackets: [[ball]], [[fill]]";
 
-/// What the parser says of tables and arrays that are nested a hundred deep and more.
+/// What the parser's message on tables and arrays that are nested a hundred deep and more has in it.
 const TOO_DEEP: &str = "recurs";
-/// What is said of them.
+/// What is said of them instead.
 const ONE_LEVEL: &str =
     "this is nested too deep; a scene file has no tables in tables, and no arrays in arrays";
 /// The most characters of a scene's description.
@@ -72,7 +72,7 @@ impl<T: Copy> Place<T> for Spanned<T> {
     }
 }
 
-/// What moves a scene on that doesn't say: the solver that is right for all but piles.
+/// What moves a scene on that does not say: the solver that is right for all but piles.
 const DEFAULT_SOLVER: Solver = Solver::Exact;
 
 #[derive(Deserialize)]
@@ -136,8 +136,8 @@ struct RandomBalls<'a> {
     region: Option<&'a Spanned<Corners>>,
 }
 
-/// A table of random balls, with one key of its own. (Serde's `flatten` would neither refuse unknown keys nor know where
-/// a value stands.)
+/// A table of random balls, with one key of its own. (Serde's `flatten` would neither refuse unknown keys nor know
+/// where a value stands.)
 macro_rules! random_balls {
     ($table:ident, $expecting:literal, $own:ident: $type:ty) => {
         #[derive(Deserialize)]
@@ -182,6 +182,25 @@ impl File {
             None => DEFAULT_SIZE,
             Some(size) => size.checked(|Pair(size)| SIZE.check_vector(size))?,
         };
+        let world = self.world(size)?;
+        let balls = self.balls(size)?;
+        let fills = self.fills(size, balls.len())?;
+        let rain = self.rain.map(|rain| rain.rain(size)).transpose()?;
+        let about = self.about.map_or(Ok(String::new()), checked_about)?;
+        Ok(Scene {
+            origin: origin.to_owned(),
+            source: String::new(),
+            about,
+            solver,
+            world,
+            balls,
+            fills,
+            rain,
+            added: None,
+        })
+    }
+
+    fn world(&self, size: DVec2) -> Result<World, At> {
         let mut world = World::new(size).map_err(|error| At { offset: None, message: error.to_string() })?;
         if let Some(gravity) = &self.gravity {
             let gravity = gravity.checked(|Pair(gravity)| GRAVITY.check_vector(gravity))?;
@@ -197,6 +216,10 @@ impl File {
                 Response::Detect => Pairs::Detect,
             });
         }
+        Ok(world)
+    }
+
+    fn balls(&self, size: DVec2) -> Result<Vec<Ball>, At> {
         let mut balls = Vec::with_capacity(self.balls.len());
         for table in &self.balls {
             let table = table.get_ref();
@@ -206,13 +229,18 @@ impl File {
             }
             balls.push(ball);
         }
+        Ok(balls)
+    }
+
+    /// The fills, which come behind so many balls.
+    fn fills(&self, size: DVec2, balls: usize) -> Result<Vec<Fill>, At> {
         if let Some(table) = self.fills.get(MOST_FILLS) {
             let message =
                 format!("the scene has more than {MOST_FILLS} fills; write fewer, of more balls each");
             return Err(at(table.span(), message));
         }
         let mut fills = Vec::with_capacity(self.fills.len());
-        let mut total = balls.len();
+        let mut total = balls;
         for table in &self.fills {
             let fill = table.get_ref().fill(size, table.span().start)?;
             total = total.saturating_add(fill.count);
@@ -222,27 +250,16 @@ impl File {
             }
             fills.push(fill);
         }
-        let rain = self.rain.map(|rain| rain.rain(size)).transpose()?;
-        let about = self.about.map_or(Ok(String::new()), |about| {
-            let count = about.get_ref().chars().count();
-            if count <= LONGEST_ABOUT {
-                return Ok(about.into_inner());
-            }
-            let message = format!("about has {count} characters; write at most {LONGEST_ABOUT}");
-            Err(at(about.span(), message))
-        })?;
-        Ok(Scene {
-            origin: origin.to_owned(),
-            source: String::new(),
-            about,
-            solver,
-            world,
-            balls,
-            fills,
-            rain,
-            added: None,
-        })
+        Ok(fills)
     }
+}
+
+fn checked_about(about: Spanned<String>) -> Result<String, At> {
+    let count = about.get_ref().chars().count();
+    if count <= LONGEST_ABOUT {
+        return Ok(about.into_inner());
+    }
+    Err(at(about.span(), format!("about has {count} characters; write at most {LONGEST_ABOUT}")))
 }
 
 impl BallTable {
@@ -265,7 +282,7 @@ impl BallTable {
         Ok(ball)
     }
 
-    /// Whether nothing is said beside `fixed = true` that a fixed ball does not have.
+    /// Checks that nothing is said beside `fixed = true` that a fixed ball does not have.
     fn check_fixed(&self) -> Result<(), At> {
         match (&self.velocity, &self.mass) {
             (Some(velocity), _) => Err(at(velocity.span(), FIXED_MOVES)),
@@ -293,7 +310,7 @@ impl RainTable {
 }
 
 impl RandomBalls<'_> {
-    /// A fill of none of them.
+    /// A fill of such balls, whose count is yet to be set.
     fn fill(&self, size: DVec2) -> Result<Fill, At> {
         let radius = self.radius.checked(|interval| interval.check(&RADIUS))?;
         let speed = match self.speed {
@@ -316,7 +333,7 @@ impl RandomBalls<'_> {
             Some(region) => Some(region.checked(|corners| corners.check(size, radius.1))?),
         };
         check_width(self.radius.span(), radius.1, size)?;
-        let seed = self.seed.map_or(SEED_DEFAULT, |seed| seed.0);
+        let seed = self.seed.map_or(DEFAULT_SEED, |seed| seed.0);
         Ok(Fill { count: 0, radius, speed, material, restitution, seed, region, offset: None })
     }
 }
@@ -332,6 +349,7 @@ fn optional(number: Option<&Spanned<Number>>, quantity: &'static Quantity, defau
     number.map_or(Ok(default), |number| number.checked(|Number(value)| quantity.check(value)))
 }
 
+/// Checks that a ball fits into a world of `size`; where its radius stands is `span`.
 fn check_width(span: Range<usize>, radius: f64, size: DVec2) -> Result<(), At> {
     let most = size.min_element() / 2.0;
     if radius <= most {

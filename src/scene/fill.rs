@@ -1,7 +1,7 @@
-//! Random balls that overlap nothing: how large, how fast and how heavy they are. Where they are is `places`' matter.
+//! Random balls that overlap nothing: how large, how fast and how heavy they are. Where they are, `places` decides.
 //!
-//! All comes from `ChaCha8` seeded by the fill's seed, with only + − × ÷ √ behind it: the same seed gives the same balls
-//! on every machine.
+//! All comes from `ChaCha8` seeded by the fill's seed, through + − × ÷ √ alone: the same seed gives the same balls on
+//! every machine.
 
 use std::f64::consts::PI;
 
@@ -55,7 +55,7 @@ impl Fill {
     /// As many of the fill's balls as find room among `present` in `world`; `stream` sets fills of one seed apart.
     pub(crate) fn place(&self, world: &World, present: &[Ball], stream: u64) -> Vec<Ball> {
         let (room, mut rng, radii) = self.draw(world, stream);
-        // Balls that cover more than there is need no second trial.
+        // Balls that would cover more than the room need no second trial.
         let covered: f64 = radii.iter().map(|radius| PI * radius * radius).sum();
         let mut places = throw(&mut rng, &room, &radii, present);
         if places.len() < self.count && covered < room.area() {
@@ -99,7 +99,7 @@ impl Fill {
     }
 }
 
-/// Seeds that have nothing to do with each other, the same for the same `seed`.
+/// Seeds that are independent of each other, the same for the same `seed`.
 pub(super) fn seeds(seed: u64) -> impl Iterator<Item = u64> {
     ChaCha8Rng::seed_from_u64(seed).random_iter()
 }
@@ -124,7 +124,10 @@ pub(crate) fn filling(count: usize, world: &World, balls: &[Ball], seed: u64) ->
     }
 }
 
-/// `ball`, made of the material of the last of `balls` that is not fixed. It is as free as it was.
+/// `ball`, made of the material of the last of `balls` that is not fixed.
+///
+/// # Errors
+/// [`OutOfRange`] where `ball` is fixed, which takes no mass.
 pub(crate) fn like_the_last(balls: &[Ball], ball: Ball) -> Result<Ball, OutOfRange> {
     let (material, restitution) = material_of_the_last(balls);
     ball.with_restitution(restitution)?.with_mass(material.mass(ball.radius()))

@@ -1,8 +1,8 @@
 //! Scenes: what a simulation starts from, as data.
 //!
-//! A scene is a TOML file, built in or the user's own. It says which physics it wants; what it leaves out does not exist
-//! for it. [`Scene::build`] makes a [`Simulation`] of it and decides there, once, which parts run; [`write()`] makes a scene
-//! file of a simulation.
+//! A scene is a TOML file, built in or the user's own. It says which physics it wants; what it leaves out does not
+//! exist for it. [`Scene::build`] makes a [`Simulation`] of it and decides there, once, which parts run; [`write()`]
+//! makes a scene file of a simulation.
 //!
 //! All that a file may say, with the numbers that it has where it says nothing:
 //!
@@ -99,7 +99,9 @@ const LONGEST_FILE: u64 = 1 << 27;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
+    /// The built-in scene's name, or the file's path.
     origin: String,
+    /// The text of the file.
     source: String,
     about: String,
     solver: Solver,
@@ -153,7 +155,7 @@ impl Scene {
     /// The same scene with `count` random balls more, the same for the same seed.
     #[must_use]
     pub fn with_added(self, count: usize, seed: Option<u64>) -> Self {
-        Self { added: Some((count, seed.unwrap_or(file::SEED_DEFAULT))), ..self }
+        Self { added: Some((count, seed.unwrap_or(file::DEFAULT_SEED))), ..self }
     }
 
     /// The solver that moves it on.
@@ -226,7 +228,8 @@ impl Scene {
         self.rain.clone()
     }
 
-    /// The simulation that this scene describes, at time 0, with its fills placed; it may use all cores.
+    /// The simulation that this scene describes, at time 0, with its fills placed and its balls added; it may use all
+    /// cores.
     ///
     /// # Errors
     /// [`SceneError`] where balls do not fit.
@@ -259,16 +262,16 @@ impl Scene {
     }
 }
 
-/// The number of cores, which takes files to read to find out.
+/// The number of cores, found out once: that reads files.
 fn cores() -> u32 {
     static CORES: OnceLock<u32> = OnceLock::new();
     *CORES.get_or_init(|| thread::available_parallelism().map_or(1, |cores| cores.get() as u32))
 }
 
-/// Sets balls that are added apart from a file's fills of the same seed.
+/// The stream of random numbers of added balls, apart from those of a file's fills of the same seed.
 const ADDED_STREAM: u64 = 1 << 32;
 
-/// The text of a scene file.
+/// The text of a scene file, which is at most [`LONGEST_FILE`] bytes long.
 pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
     let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
     let file = File::open(path).map_err(unreadable)?;

@@ -11,15 +11,14 @@ use rand::seq::SliceRandom;
 
 use crate::simulation::Ball;
 
-/// How often a place is drawn for one ball.
-const DRAWS_MOST: u32 = 5000;
+/// The most places that are drawn for one ball.
+const MOST_DRAWS: u32 = 5000;
 /// After so many balls in a row without a place the room counts as jammed.
 const JAMMED: u32 = 4;
-/// The most sites per ball of a lattice that is tried, beside [`SITES_FREE`]: where there are more, it is not the balls'
+/// The most sites of a lattice that is tried, for each ball and in addition: where there are more, it is not the balls'
 /// own density that leaves no place.
 const SITES_PER_BALL: f64 = 8.0;
-/// Sites that a lattice may always have.
-const SITES_FREE: f64 = 1e5;
+const MORE_SITES: f64 = 1e5;
 /// How closely the pitch of the lattice is sought: halvings of the interval that it lies in.
 const PITCH_STEPS: u32 = 20;
 
@@ -41,7 +40,7 @@ pub(super) fn throw(
         let (low, high) = (room.low + radius, room.high - radius);
         let mut draw = || low + (high - low) * DVec2::new(rng.random(), rng.random());
         let fits = high.cmpge(low).all();
-        let free = (0..DRAWS_MOST).map(|_| draw()).find(|&at| fits && taken.is_free(at, radius));
+        let free = (0..MOST_DRAWS).map(|_| draw()).find(|&at| fits && taken.is_free(at, radius));
         if let Some(at) = free {
             taken.take(at, radius);
             places.push((index, at));
@@ -68,7 +67,7 @@ pub(super) fn lay_out(
     let sites = |pitch: f64| lattice(room, pitch, widest, &taken);
     let tightest = 2.0 * widest;
     let count = radii.len() as f64;
-    if !(count..=SITES_PER_BALL * count + SITES_FREE).contains(&room.lattice_size(tightest, widest)) {
+    if !(count..=SITES_PER_BALL * count + MORE_SITES).contains(&room.lattice_size(tightest, widest)) {
         return Vec::new();
     }
     // The widest pitch that still has a site for each ball.
@@ -146,7 +145,7 @@ impl Room {
         extent.x * extent.y
     }
 
-    /// How many sites a lattice has here at the most: enough to refuse what can never fit.
+    /// The most sites that a lattice of this pitch has here: enough to refuse what can never fit.
     fn lattice_size(&self, pitch: f64, widest: f64) -> f64 {
         let inner = self.high - self.low - 2.0 * widest;
         if inner.min_element() < 0.0 {
@@ -157,7 +156,7 @@ impl Room {
     }
 }
 
-/// The discs in a room, in every cell that their bounding boxes touch.
+/// The discs in a room, each in every cell that its bounding box touches.
 struct Taken {
     low: DVec2,
     cell: f64,
@@ -167,6 +166,7 @@ struct Taken {
     heads: Vec<u32>,
     /// A disc, and the next link of the chain.
     links: Vec<(u32, u32)>,
+    /// Centres and radii, px.
     discs: Vec<(DVec2, f64)>,
 }
 

@@ -3,18 +3,18 @@
 use glam::DVec2;
 
 use super::fill::Fill;
-use crate::simulation::invariants::{kinetic_energy, potential_energy};
+use crate::simulation::invariants::energy;
 use crate::simulation::limits::{DELTA, OutOfRange, Quantity};
 use crate::simulation::{Ball, Simulation, World};
 
 /// How many balls come in a second.
 pub(super) static RAIN_RATE: Quantity = Quantity { name: "rate", unit: "balls/s", low: 1e-3, high: 1e4 };
 
-/// Seconds between the moments at which balls come, however many: a number without rounding.
+/// Seconds between the moments at which balls come, however many: a number that binary fractions hold exactly.
 const SPELL: f64 = 0.125;
 /// Frames may end so much before a spell does, s, and still see its balls.
 const ROUNDING: f64 = 1e-12;
-/// After so many moments in a row at which none of them found room, there is none.
+/// After so many spells in a row of which no ball found room, the world is full.
 const FULL: u32 = 16;
 /// The default region is the top of the world, so many of the largest radii high.
 const STRIP: f64 = 4.0;
@@ -97,7 +97,7 @@ impl Rain {
         (self.in_vain < FULL).then(|| (next - self.time.0 - self.time.1).max(0.0))
     }
 
-    /// Adds to the time without losing any (Knuth 1969), so that all frames come to the same moments.
+    /// Adds to the time without losing any (the two-sum of Knuth 1969), so that all frames come to the same moments.
     fn pass(&mut self, seconds: f64) {
         let (sum, lost) = self.time;
         let next = sum + seconds;
@@ -117,10 +117,11 @@ impl Rain {
         let added = !balls.is_empty() && simulation.add(&balls).is_ok();
         self.in_vain = if added { 0 } else { self.in_vain + 1 };
         if added {
-            self.energy += kinetic_energy(&balls) + potential_energy(simulation.world(), &balls);
+            self.energy += energy(simulation.world(), &balls);
         }
     }
 
+    /// As many of `count` balls as find room where the rain falls.
     fn drops(&self, count: usize, world: &World, present: &[Ball]) -> Vec<Ball> {
         let strip = DVec2::new(world.size().x, (STRIP * self.fill.radius.1).min(world.size().y));
         let region = self.fill.region.unwrap_or((DVec2::ZERO, strip));

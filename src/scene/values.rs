@@ -28,6 +28,7 @@ pub(super) struct Corners([f64; 4]);
 pub(super) struct Count(pub(super) u64);
 
 impl Interval {
+    /// Both ends, in the range of `quantity` and in their order.
     pub(super) fn check(self, quantity: &'static Quantity) -> Result<(f64, f64), String> {
         let check = |value| quantity.check(value).map_err(|error| error.to_string());
         let (low, high) = (check(self.0)?, check(self.1)?);
@@ -43,6 +44,7 @@ impl Interval {
 }
 
 impl Corners {
+    /// The corners of a region of a world of `size` that a ball of `radius` fits into.
     pub(super) fn check(self, size: DVec2, radius: f64) -> Result<(DVec2, DVec2), String> {
         let [left, top, right, bottom] = self.0;
         let (low, high) = (DVec2::new(left, top), DVec2::new(right, bottom));

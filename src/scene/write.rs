@@ -22,10 +22,11 @@ use crate::simulation::{Ball, Pairs, Simulation, World};
 /// A ball takes 256 bytes at most, so a file of half a million balls is never longer than one that is read; ten million
 /// may be.
 ///
-/// Three things are written other than they are, so that the file can be read. Coordinates and velocities that a run has
-/// taken [beyond their limits](crate::simulation::limits) become the nearest that a file may hold, which a comment at the
-/// top of the file counts. Rain is cut to a world that was made too small for its region, and left out, which a comment
-/// says, where that leaves no room for its balls. The velocity −0 of a fixed ball is 0.
+/// Three things are written other than they are, so that the file can be read. Coordinates and velocities that a run
+/// has taken [beyond their limits](crate::simulation::limits) become the nearest that a file may hold, which a comment
+/// at the top of the file counts. Where the world was made too small for the rain's region, the region is cut to it,
+/// and where that leaves no room for its balls, the rain is left out, which a comment says. The velocity −0 of a fixed
+/// ball is 0.
 ///
 /// ```
 /// use carom::{Scene, scene};
@@ -67,9 +68,8 @@ impl fmt::Display for File<'_> {
         if let Some(rain) = self.rain {
             write_rain(f, rain, world)?;
         }
-        let narrow =
-            |ball: &Ball| world.walls().is_none() && 2.0 * ball.radius() > world.size().min_element();
-        balls.iter().try_for_each(|ball| write_ball(f, ball, narrow(ball)))
+        let wide = |ball: &Ball| world.walls().is_none() && 2.0 * ball.radius() > world.size().min_element();
+        balls.iter().try_for_each(|ball| write_ball(f, ball, wide(ball)))
     }
 }
 
@@ -89,7 +89,7 @@ fn write_world(f: &mut fmt::Formatter<'_>, world: &World) -> fmt::Result {
     }
 }
 
-fn write_ball(f: &mut fmt::Formatter<'_>, ball: &Ball, wider_than_the_world: bool) -> fmt::Result {
+fn write_ball(f: &mut fmt::Formatter<'_>, ball: &Ball, wide: bool) -> fmt::Result {
     let (position, velocity) = allowed(ball);
     writeln!(f, "\n[[ball]]\nposition = {}\nradius = {}", Pair(position), Number(ball.radius()))?;
     if ball.is_fixed() {
@@ -102,7 +102,7 @@ fn write_ball(f: &mut fmt::Formatter<'_>, ball: &Ball, wider_than_the_world: boo
         write_unless(f, "mass", ball.mass(), 1.0)?;
     }
     write_unless(f, "restitution", ball.restitution(), 1.0)?;
-    if wider_than_the_world {
+    if wide {
         writeln!(f, "wide = true")?;
     }
     Ok(())
@@ -155,7 +155,7 @@ fn is_beyond(ball: &Ball) -> bool {
     allowed(ball) != (ball.position(), ball.velocity())
 }
 
-/// A number in the shortest form that reads back as the same one, and as a float or an integer as a person would write it.
+/// A number in the shortest form that reads back as the same one, without a decimal point where it is whole.
 struct Number(f64);
 
 impl fmt::Display for Number {
