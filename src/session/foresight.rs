@@ -6,10 +6,11 @@ use crate::simulation::{Ball, Simulation, Solver};
 
 /// The first look ahead for an impact, s; each next one is twice as long.
 const FIRST_LOOK: f64 = 1.0 / 1024.0;
-/// How well the time of an impact is found, s: half as well as frames are shown.
+/// How well the time of an impact is found, s: to half the time between two at which frames are shown.
 const IMPACT_KNOWN: f64 = 1.0 / (1_u64 << 47) as f64;
-/// The path of a throw is shown for so long, s, in so many parts.
+/// The path of a throw is shown for so long, s ...
 const PATH: f64 = 1.0;
+/// ... in so many parts.
 const PATH_PARTS: u32 = 240;
 /// With more balls than this, only the walls and fixed balls bend a path.
 const MOST_IN_PATH: usize = 500;
@@ -19,14 +20,14 @@ const PATH_LOOKS: u32 = 64;
 /// The search for the next impact, on copies, as far as it has come.
 #[derive(Debug)]
 pub(super) struct Search {
-    /// No impact before it; `passed` seconds from the start.
+    /// A state up to which there is no impact, `passed` seconds after the start.
     here: Simulation,
     passed: f64,
-    /// On its way from `here` to `target` seconds behind it, with `left` seconds to go.
+    /// A copy of `here` on its way to `target` seconds after it, with `left` seconds to go.
     ahead: Simulation,
     target: f64,
     left: f64,
-    /// Seconds behind `here` between which the impact is, once one was seen.
+    /// The times after `here`, s, between which the impact is, once one was seen.
     between: Option<(f64, f64)>,
 }
 
@@ -54,7 +55,7 @@ impl Search {
     }
 
     /// Looks on, up to `most` seconds ahead, for as long as `go_on` says so.
-    pub(super) fn go_on(&mut self, most: f64, go_on: &mut dyn FnMut() -> bool) -> Found {
+    pub(super) fn look_ahead(&mut self, most: f64, go_on: &mut dyn FnMut() -> bool) -> Found {
         loop {
             // No farther than to the first look at the watch: in a jam there are thousands of impacts in a moment.
             let Ok(done) = self.ahead.advance_while(self.left, || false) else { return Found::Nothing };
@@ -139,7 +140,7 @@ mod tests {
     }
 
     fn found(simulation: &Simulation) -> f64 {
-        match Search::new(simulation).go_on(10.0, &mut || true) {
+        match Search::new(simulation).look_ahead(10.0, &mut || true) {
             Found::After(seconds) => seconds,
             other => panic!("{other:?}"),
         }
@@ -152,7 +153,7 @@ mod tests {
         let found_bit_by_bit = loop {
             // Each time there is time for one look at the watch, and no more.
             let mut left = 2;
-            let found = search.go_on(10.0, &mut || {
+            let found = search.look_ahead(10.0, &mut || {
                 left -= 1;
                 left > 0
             });
@@ -179,7 +180,7 @@ mod tests {
 
     #[test]
     fn where_nothing_moves_there_is_no_impact() {
-        assert_eq!(Search::new(&boxed(0.0)).go_on(10.0, &mut || true), Found::Nothing);
+        assert_eq!(Search::new(&boxed(0.0)).look_ahead(10.0, &mut || true), Found::Nothing);
     }
 
     #[test]

@@ -48,10 +48,10 @@ pub const LONGEST_FRAME: f64 = 0.1;
 pub const STEP: f64 = 1.0 / 60.0;
 /// The radius of a ball that a click adds where there is room and nothing else is said, px.
 pub const CLICK_RADIUS: f64 = 20.0;
-/// Frames of a tape that are due but for this, s, are due.
+/// Frames of a tape are due where no more than this is left until they are, s.
 const ROUNDING: f64 = 1e-9;
-/// Balls smaller than this, px, are as easy to point at as if they were as large.
-const EASY: f64 = 6.0;
+/// Balls of a smaller radius than this, px, can be pointed at as if they had this one.
+const LEAST_TARGET: f64 = 6.0;
 
 /// A scene, the simulation that came of it, and how its time runs.
 #[derive(Debug)]
@@ -60,6 +60,7 @@ pub struct Session {
     opened: Scene,
     state: State,
     tape: Tape,
+    /// For the random balls that commands add, and those that are drawn anew.
     seed: u64,
     /// How often random balls were drawn anew.
     reseeded: u64,
@@ -114,19 +115,21 @@ impl Session {
         &self.state.simulation
     }
 
-    /// Where the exact solver has the same balls, where the two are compared.
+    /// The same balls moved by the exact solver, where the two are compared.
     #[must_use]
     pub fn truth(&self) -> Option<&Simulation> {
         self.state.truth.as_ref().map(|truth| &truth.simulation)
     }
 
-    /// How far the balls were from there: simulated seconds since the comparison began, and the largest distance, px.
+    /// How far the balls were from their places in [`truth`](Self::truth): simulated seconds since the comparison
+    /// began, and the largest distance, px. Empty where nothing is compared.
     #[must_use]
     pub fn errors(&self) -> &[(f64, f64)] {
         self.state.truth.as_ref().map_or(&[], |truth| &truth.errors)
     }
 
-    /// The energy that the balls would have if nothing but commands had changed it since the scene began.
+    /// The energy, mass·px²/s², that the balls would have if nothing but commands and rain had changed it since the
+    /// scene began.
     #[must_use]
     pub fn given_energy(&self) -> f64 {
         self.state.given()
@@ -162,14 +165,14 @@ impl Session {
         self.time_scale = scale.max(TIME_SCALES.0).min(TIME_SCALES.1);
     }
 
-    /// Whether one has gone back in time. What was played since is played again, until a change puts something else in its
-    /// place.
+    /// Whether one has gone back in time. What was played since is played again, until a change puts something else in
+    /// its place.
     #[must_use]
     pub fn is_in_the_past(&self) -> bool {
         self.tape.next().is_some()
     }
 
-    /// How long ago what is shown was, s.
+    /// How long ago what is shown was, in simulated seconds.
     #[must_use]
     pub fn seconds_ago(&self) -> f64 {
         self.tape.left()
@@ -186,7 +189,8 @@ impl Session {
 
     /// A frame as [`advance`](Self::advance) takes it, which is cut short where `go_on` says no: then the time that is
     /// left is not simulated, the session [is behind](Self::is_behind), and the next frame goes on from there. What is
-    /// left of a single step is left for the next frame. While a session [is working](Self::is_working), time stands still.
+    /// left of a single step is left for the next frame. While a session [is working](Self::is_working), time stands
+    /// still.
     ///
     /// # Errors
     /// [`OutOfRange`](crate::OutOfRange) where `measured` is negative or not a number.
@@ -222,7 +226,8 @@ impl Session {
         }
     }
 
-    /// A frame of something new, which is `watched` for so many seconds; the seconds that it moved on.
+    /// Takes a frame of something new, which is `watched` for so many seconds, and returns the seconds that it moved
+    /// on.
     fn frame(
         &mut self,
         seconds: f64,
@@ -238,8 +243,9 @@ impl Session {
     fn play_again(&mut self, measured: f64, go_on: &mut dyn FnMut() -> bool) {
         self.due = if self.paused { 0.0 } else { self.due + measured * self.time_scale };
         while let Some(next) = self.tape.next() {
-            // What changed behind a frame waits for the next one.
-            if if self.paused { self.steps.is_empty() } else { self.due < ROUNDING } {
+            let is_due = if self.paused { !self.steps.is_empty() } else { self.due >= ROUNDING };
+            // A change after a frame waits for the next frame.
+            if !is_due {
                 break;
             }
             if let Entry::Frame(frame) = next {
@@ -254,9 +260,9 @@ impl Session {
         }
     }
 
-    /// Makes the world `size` px large, as far as its balls allow. Costs nothing where it was asked for before. In the past
-    /// the world stays as it was then: whoever owns a window says its size in each frame, and that puts nothing else in
-    /// the place of what was played.
+    /// Makes the world `size` px large, as far as its balls allow. It costs nothing where that is what was asked for
+    /// last. In the past the world stays as it was then: whoever owns a window says its size in each frame, and that is
+    /// not to take the place of what was played.
     ///
     /// # Errors
     /// [`CommandError`] where no world may have this size.
@@ -278,7 +284,7 @@ impl Session {
     /// The index of the ball at `position`, px: the one on top.
     #[must_use]
     pub fn ball_at(&self, position: DVec2) -> Option<usize> {
-        let reach = |ball: &Ball| ball.radius().max(EASY);
+        let reach = |ball: &Ball| ball.radius().max(LEAST_TARGET);
         let at = |ball: &Ball| ball.position().distance_squared(position) <= reach(ball).powi(2);
         self.simulation().balls().iter().rposition(at)
     }
@@ -314,8 +320,8 @@ impl Session {
     }
 
     /// Does what a command says. Of what may take long, [`StepToImpact`](Command::StepToImpact) and
-    /// [`Back`](Command::Back), only as much as `go_on` lets it; [`work_while`](Self::work_while) goes on with it, and so
-    /// does the next command.
+    /// [`Back`](Command::Back), only as much as `go_on` lets it; [`work_while`](Self::work_while) goes on with it, and
+    /// so does the next command.
     ///
     /// # Errors
     /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
@@ -351,6 +357,7 @@ impl Session {
         self.work_on(&mut go_on)
     }
 
+    /// Does what a change says, and notes it on the tape, whether it can be done or not.
     fn change(&mut self, change: Change) -> Result<(), CommandError> {
         let done = self.state.apply(change);
         self.tape.add(Entry::Change(Box::new(change)), 0.0, &self.state);
@@ -363,6 +370,7 @@ impl Session {
         done
     }
 
+    /// While paused: asks for a single step.
     fn step(&mut self, seconds: f64) {
         if self.paused {
             self.steps.push_back(seconds);
@@ -377,6 +385,7 @@ impl Session {
         self.change(Change::Reseed(self.seed.wrapping_add(self.reseeded)))
     }
 
+    /// Plays the built-in scene so many places on, or back.
     fn go_by(&mut self, steps: isize) -> Result<(), CommandError> {
         let names = scene::names();
         let count = names.len() as isize;
@@ -392,8 +401,8 @@ impl Session {
         Ok(self.open(&Scene::load(name)?)?)
     }
 
-    /// Plays another scene in a world of the same size, with pause, time scale and comparison as they are. It cannot be
-    /// gone back from there to what was played before.
+    /// Plays another scene in a world of the same size, with pause, time scale and comparison as they are. From there
+    /// one cannot go back to what was played before.
     ///
     /// # Errors
     /// [`SceneError`] where the scene's balls do not fit; what is played is as before then.

@@ -7,18 +7,18 @@ use glam::DVec2;
 use super::command::{Change, CommandError};
 use super::truth::Truth;
 use crate::scene::{self, Rain, Scene, SceneError};
-use crate::simulation::invariants::{kinetic_energy, potential_energy};
+use crate::simulation::invariants;
 use crate::simulation::limits::{GRAVITY, MAX_BALLS, VELOCITY};
 use crate::simulation::{Ball, BuildError, Simulation, Solver};
 
 /// The smallest radius that a click makes do with, px.
-const CLICK_RADIUS_LEAST: f64 = 2.0;
+const LEAST_CLICK_RADIUS: f64 = 2.0;
 /// What G switches on where the scene has no gravity of its own, px/s².
 const EARTH: DVec2 = DVec2::new(0.0, 980.0);
 /// Gravity that was tilted is a multiple of one part in so many of 1 px/s².
 const GRAVITY_DIGITS: f64 = 1e9;
 /// A hand brings a ball to where it wants it in about this time, s: two frames, so that it does not swing.
-const REACH: f64 = 1.0 / 30.0;
+const CARRY_TIME: f64 = 1.0 / 30.0;
 /// Memory that a ball takes in a solver, in bytes, at most about.
 const BYTES_A_BALL: usize = 700;
 
@@ -34,8 +34,9 @@ pub(super) struct State {
     start: Arc<Start>,
     /// The size that the world was last asked to have, px; wide balls may have made it larger.
     size: DVec2,
-    /// Frame 1 has a delta of 0, whatever the clock says; this is true until it has been.
+    /// Whether frame 1 is still to come, which has a delta of 0, whatever the clock says.
     pub(super) fresh: bool,
+    /// For the random balls that changes add.
     seed: u64,
     /// How often random balls were added, so that each time others come.
     additions: u64,
@@ -86,7 +87,7 @@ impl State {
         self.rain.as_ref()
     }
 
-    /// The energy that the balls would have if impacts took none.
+    /// The energy that the balls would have if impacts took none, mass·px²/s².
     pub(super) fn given(&self) -> f64 {
         self.given + self.rain.as_ref().map_or(0.0, Rain::energy)
     }
@@ -97,8 +98,8 @@ impl State {
         size_of::<Self>() + solvers * self.simulation.balls().len() * BYTES_A_BALL
     }
 
-    /// Moves on by up to `seconds` for as long as `go_on` says so, and returns the seconds that it has moved on. A truth
-    /// that cannot follow is given up.
+    /// Moves on by up to `seconds` for as long as `go_on` says so, and returns the seconds that it has moved on. A
+    /// truth that cannot follow is given up.
     pub(super) fn advance(
         &mut self,
         seconds: f64,
@@ -192,18 +193,23 @@ impl State {
         self.add(&[ball])
     }
 
+    /// The simulation, and behind it the one that it is compared with, if any: what is done to the one is done to the
+    /// other.
+    fn simulations(&mut self) -> impl Iterator<Item = &mut Simulation> {
+        let truth = self.truth.as_mut().map(|truth| &mut truth.simulation);
+        [Some(&mut self.simulation), truth].into_iter().flatten()
+    }
+
     fn add(&mut self, balls: &[Ball]) -> Result<(), CommandError> {
-        self.simulation.add(balls)?;
-        if let Some(truth) = &mut self.truth {
-            truth.simulation.add(balls)?;
+        for simulation in self.simulations() {
+            simulation.add(balls)?;
         }
         Ok(())
     }
 
     fn remove(&mut self, index: usize) {
-        self.simulation.remove(index);
-        if let Some(truth) = &mut self.truth {
-            truth.simulation.remove(index);
+        for simulation in self.simulations() {
+            simulation.remove(index);
         }
     }
 
@@ -217,18 +223,17 @@ impl State {
             let gap = |ball: &Ball| ball.position().distance(position) - ball.radius();
             radius = self.simulation.balls().iter().map(gap).fold(radius, f64::min);
         }
-        (radius >= CLICK_RADIUS_LEAST).then_some(radius)
+        (radius >= LEAST_CLICK_RADIUS).then_some(radius)
     }
 
     /// Gives a ball the velocity that brings it to where the hand is.
     fn carry(&mut self, ball: usize, to: DVec2) -> Result<(), CommandError> {
-        let truth = self.truth.as_mut().map(|truth| &mut truth.simulation);
-        for simulation in [Some(&mut self.simulation), truth].into_iter().flatten() {
+        for simulation in self.simulations() {
             let Some(carried) = simulation.balls().get(ball) else { continue };
             if carried.is_fixed() {
                 return Err(CommandError::Fixed);
             }
-            let velocity = (to - carried.position()) / REACH;
+            let velocity = (to - carried.position()) / CARRY_TIME;
             let velocity = velocity.clamp(DVec2::splat(VELOCITY.low), DVec2::splat(VELOCITY.high));
             simulation.set_velocity(ball, velocity)?;
         }
@@ -241,14 +246,13 @@ impl State {
         if self.simulation.world().pairs().is_some() && !self.is_free(index, &placed) {
             return Err(CommandError::NoRoomHere);
         }
-        self.simulation.set_position(index, at)?;
-        if let Some(truth) = &mut self.truth {
-            truth.simulation.set_position(index, at)?;
+        for simulation in self.simulations() {
+            simulation.set_position(index, at)?;
         }
         Ok(())
     }
 
-    /// Whether a ball of this index overlaps no other, or none more than it does now.
+    /// Whether the ball of this index, `placed` elsewhere, overlaps no other, or none more than it does now.
     fn is_free(&self, index: usize, placed: &Ball) -> bool {
         let now = self.simulation.balls()[index].position();
         self.simulation.balls().iter().enumerate().all(|(other, ball)| {
@@ -278,17 +282,15 @@ impl State {
     }
 
     fn set_gravity(&mut self, gravity: DVec2) -> Result<(), CommandError> {
-        self.simulation.set_gravity(gravity)?;
-        if let Some(truth) = &mut self.truth {
-            truth.simulation.set_gravity(gravity)?;
+        for simulation in self.simulations() {
+            simulation.set_gravity(gravity)?;
         }
         Ok(())
     }
 
     fn resize(&mut self, size: DVec2) -> Result<(), CommandError> {
-        self.simulation.resize(size)?;
-        if let Some(truth) = &mut self.truth {
-            truth.simulation.resize(size)?;
+        for simulation in self.simulations() {
+            simulation.resize(size)?;
         }
         self.size = size;
         Ok(())
@@ -308,7 +310,7 @@ impl State {
     }
 }
 
-/// Kinetic and potential energy.
+/// Kinetic and potential energy, mass·px²/s².
 fn energy(simulation: &Simulation) -> f64 {
-    kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
+    invariants::energy(simulation.world(), simulation.balls())
 }

@@ -12,11 +12,11 @@ use super::state::State;
 
 /// Entries between two keys at first.
 const SPACING: usize = 64;
-/// Memory for keys, in bytes, about.
+/// Memory for keys, in bytes, about ...
 const MOST_BYTES: usize = 256 << 20;
-/// ... of which this part is for those between two keys, close to where one goes back.
+/// ... and one part in so many of that for those between two keys, close to where one goes back.
 const FINE_PART: usize = 4;
-/// As far back as one can go at least, in seconds as they were watched: farther than this, keys are forgotten.
+/// How far back one can go at least, in seconds as they were watched: where memory is short, older keys are forgotten.
 const KEPT: f64 = 40.0;
 /// The most entries that are kept: more than four hours at 60 frames per second, 25 MB.
 const MOST_ENTRIES: usize = 1 << 20;
@@ -34,7 +34,7 @@ pub(super) enum Entry {
 pub(super) struct Frame {
     /// The seconds that it was asked to move on by.
     pub(super) seconds: f64,
-    /// Where it was cut short: the look at the watch, from 1, that said so.
+    /// Where it was cut short: the number, from 1, of the call of `go_on` that said no.
     pub(super) cut: Option<NonZeroU32>,
 }
 
@@ -105,7 +105,9 @@ pub(super) struct Tape {
     keys: VecDeque<Key>,
     /// Between two keys: where one goes back frame by frame.
     fine: Vec<Key>,
+    /// Entries between two keys, at least.
     spacing: usize,
+    /// The seconds that have been watched since the scene began.
     watched: f64,
 }
 
@@ -173,8 +175,8 @@ impl Tape {
         self.fine.clear();
     }
 
-    /// Keeps to the memory that keys may take: the oldest go, unless one could then go back too little; else every
-    /// second.
+    /// Keeps to the memory that keys may take: the oldest go as long as one can then still go back far enough, and else
+    /// every second.
     fn forget(&mut self) {
         let bytes = |keys: &VecDeque<Key>| keys.iter().map(|key| key.state.bytes()).sum::<usize>();
         while self.keys.len() > 2 && bytes(&self.keys) > MOST_BYTES {
@@ -202,8 +204,8 @@ impl Tape {
         }
     }
 
-    /// The way to the end of the frame before the present, or to before the changes since. `None` where there is none that
-    /// can be had.
+    /// The way to the end of the frame before the present, or to before the changes since. `None` where that is not
+    /// remembered, or there is none.
     pub(super) fn back(&mut self) -> Option<Way> {
         let oldest = self.keys.front()?.at;
         let frames = (oldest..self.at).rev().filter(|&at| at > self.first);

@@ -11,6 +11,7 @@ pub(super) struct Truth {
     pub(super) simulation: Simulation,
     /// Simulated seconds since then, and the largest distance of a ball from its true place, px; in order.
     pub(super) errors: Vec<(f64, f64)>,
+    /// Simulated seconds since then.
     time: f64,
     /// Every so many frames, one error is kept.
     spacing: u64,

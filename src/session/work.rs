@@ -1,5 +1,5 @@
-//! What takes long where there are many balls: going back in time, and finding the next impact. It is done a bit in each
-//! frame, so that whoever shows the frames can go on answering.
+//! What takes long where there are many balls: going back in time, and finding the next impact. It is done a bit in
+//! each frame, so that whoever shows the frames can go on answering.
 
 use super::command::CommandError;
 use super::foresight::{Found, Search};
@@ -30,8 +30,8 @@ pub enum Working {
 }
 
 impl Session {
-    /// What was asked for and is not done yet; [`work_while`](Self::work_while) goes on with it, and until then time stands
-    /// still.
+    /// What was asked for and is not done yet; [`work_while`](Self::work_while) goes on with it, and until then time
+    /// stands still.
     #[must_use]
     pub fn working(&self) -> Option<Working> {
         self.work.as_ref().map(|work| match work {
@@ -46,7 +46,7 @@ impl Session {
         self.work.is_some()
     }
 
-    /// Gives up what is not done yet: all is as if it had not been asked for.
+    /// Gives up what is not done yet, as if it had not been asked for.
     pub fn stop_working(&mut self) {
         self.work = None;
         self.due = 0.0;
@@ -105,13 +105,14 @@ impl Session {
         }
     }
 
+    /// As [`work_while`](Self::work_while), whatever `go_on` is.
     pub(super) fn work_on(&mut self, go_on: &mut dyn FnMut() -> bool) -> Result<(), CommandError> {
         match self.work.take() {
             None => {}
             Some(Work::Back(mut way)) => {
                 let left = self.tape.left();
                 if self.tape.go(&mut way, go_on) {
-                    // Held back time: what was gone is no longer due.
+                    // While one rewinds: what was gone back is no longer due.
                     if self.due < 0.0 {
                         self.due += self.tape.left() - left;
                     }
@@ -122,7 +123,7 @@ impl Session {
                     self.work = Some(Work::Back(way));
                 }
             }
-            Some(Work::Impact(mut search)) => match search.go_on(LOOK_AHEAD, go_on) {
+            Some(Work::Impact(mut search)) => match search.look_ahead(LOOK_AHEAD, go_on) {
                 Found::After(seconds) => self.step(seconds),
                 Found::Nothing => return Err(CommandError::NoImpact(LOOK_AHEAD)),
                 Found::Unknown => self.work = Some(Work::Impact(search)),

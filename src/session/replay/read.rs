@@ -42,14 +42,14 @@ pub(super) fn read(text: &str, scene: &Scene) -> Result<Read, (usize, String)> {
     Ok(read)
 }
 
-/// Longer words are cut in messages.
-const WORD_MOST: usize = 60;
-/// So are longer names of scenes, which may be paths.
-const NAME_MOST: usize = 200;
+/// The most characters of a word that a message quotes.
+const LONGEST_WORD: usize = 60;
+/// The same of a scene's name, which may be a path.
+const LONGEST_NAME: usize = 200;
 
 /// A word of a replay, as a message may quote it.
 fn quoted(word: &str) -> String {
-    format!("\"{}\"", shown(word, WORD_MOST))
+    format!("\"{}\"", shown(word, LONGEST_WORD))
 }
 
 /// A line that is being read, word by word.
@@ -74,7 +74,7 @@ impl Line<'_> {
         Ok(DVec2::new(self.number(what)?, self.number(what)?))
     }
 
-    /// That nothing more is there.
+    /// Checks that nothing more is there.
     fn end(&mut self) -> Result<(), String> {
         self.words.next().map_or(Ok(()), |word| Err(format!("{} is one word too many", quoted(word))))
     }
@@ -145,7 +145,7 @@ fn read_header(
         // It may have spaces.
         "scene" => {
             let name = text.trim().strip_prefix(keyword).unwrap_or_default();
-            header.scene = shown(name.trim(), NAME_MOST);
+            header.scene = shown(name.trim(), LONGEST_NAME);
             return Ok(true);
         }
         "solver" => scene.clone().with_solver(line.next("a solver")?),
