@@ -2,7 +2,8 @@
 //!
 //! A GIF counts time in hundredths of a second, and browsers slow down anything that is shown for less than two of
 //! them; so frames that come sooner are left out, and each of the others is shown until the next by the rounded
-//! difference of their absolute times: no error adds up. Only what changed is stored, with the colours that are in that.
+//! difference of their absolute times: no error adds up. Only what changed is stored, with the colours that are in
+//! that.
 
 use std::io::Write;
 
@@ -10,12 +11,13 @@ use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use thiserror::Error;
 use tiny_skia::Pixmap;
 
-use super::palette::{Palette, Pixel};
+use super::ink::Pixel;
+use super::palette::Palette;
 
 /// The index of the colour that leaves a pixel as it was.
 const UNCHANGED: u8 = 0;
 /// The least time that a frame is shown, in hundredths of a second.
-const SHOWN_LEAST: u64 = 2;
+const LEAST_SHOWN: u64 = 2;
 
 /// Why an animation was not written.
 #[derive(Debug, Error)]
@@ -35,7 +37,7 @@ pub enum AnimationError {
 
 /// Whether what is seen at the second of these times, s, comes too soon after the first to be a frame of its own.
 pub(crate) fn is_too_soon(before: f64, now: f64) -> bool {
-    hundredths(now) < hundredths(before) + SHOWN_LEAST
+    hundredths(now) < hundredths(before) + LEAST_SHOWN
 }
 
 fn hundredths(time: f64) -> u64 {
@@ -92,12 +94,13 @@ impl<W: Write> Animation<W> {
         Ok(self.encoder.into_inner()?)
     }
 
+    /// Writes the frame that waits, if any, which is shown `until` a time, s.
     fn write_waiting(&mut self, until: f64) -> Result<(), AnimationError> {
         if let Some((mut frame, since)) = self.waiting.take() {
-            let mut left = hundredths(until).saturating_sub(hundredths(since)).max(SHOWN_LEAST);
+            let mut left = hundredths(until).saturating_sub(hundredths(since)).max(LEAST_SHOWN);
             // A frame is shown for at most eleven minutes; another that changes nothing goes on from there.
             while left > u64::from(u16::MAX) {
-                frame.delay = u16::MAX - SHOWN_LEAST as u16;
+                frame.delay = u16::MAX - LEAST_SHOWN as u16;
                 left -= u64::from(frame.delay);
                 self.encoder.write_frame(&frame)?;
                 frame = Frame {
@@ -115,8 +118,8 @@ impl<W: Write> Animation<W> {
         Ok(())
     }
 
-    /// The smallest frame that turns what is shown into `pixels`, which count as shown from then on; `None` where they are
-    /// the same.
+    /// The smallest frame that turns what is shown into `pixels`, which count as shown from then on; `None` where they
+    /// are the same.
     fn difference(&mut self, pixels: &[Pixel]) -> Option<Frame<'static>> {
         let width = usize::from(self.width);
         let first = self.shown.is_empty();
@@ -173,7 +176,7 @@ fn changed(new: &[Pixel], old: &[Pixel], width: usize) -> Option<(usize, usize, 
     Some((left, top, right, bottom))
 }
 
-/// Counts the pixels that differ, in runs of one colour.
+/// Counts the colours of the pixels that differ, in runs of one colour.
 fn count(palette: &mut Palette, new: &[Pixel], old: &[Pixel]) {
     let (mut run, mut length) = ([0; 4], 0);
     for (&pixel, _) in new.iter().zip(old).filter(|(new, old)| new != old) {
@@ -313,8 +316,9 @@ pub(crate) mod tests {
         }
         let seen = animate(&[(0.0, noise.clone())], 1.0);
         let furthest = difference(&noise, &seen[0].0);
-        // Colours that are kept lie so far apart that balls around 256 of them would not fit into the cube of all colours: at
-        // most 62 of 255. The distance that is tried is up to √2 times as far, and a colour counts as one 3 away.
+        // Colours that are kept lie so far apart that balls around 256 of them would not fit into the cube of all
+        // colours: at most 62 of 255. The distance that is tried is up to √2 times as far, and a colour counts as one 3
+        // away.
         assert!((1..=91).contains(&furthest), "{furthest}");
     }
 

@@ -14,8 +14,8 @@ const SIDES: (f64, f64) = (16.0, 1024.0);
 
 /// The sides of the polygon that a circle is taken for.
 ///
-/// tiny-skia's own circle is flattened so coarsely that a disc of 10 px loses 2 % of its area; this polygon, in about the
-/// same time, less than 0.2 %.
+/// tiny-skia's own circle is flattened so coarsely that a disc of 10 px loses 2 % of its area; this polygon, in about
+/// the same time, less than 0.2 %.
 pub(super) fn sides(radius: f64) -> usize {
     // A chord over the angle 2h leaves the circle by r(1 − cos h) ≈ rh²/2.
     (PI * (radius / (2.0 * SAGITTA)).sqrt()).clamp(SIDES.0, SIDES.1).ceil() as usize

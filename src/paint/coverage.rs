@@ -1,7 +1,7 @@
 //! Small discs: coverage that tiny-skia rasterises once for each radius, sixteen times as large.
 //!
-//! A disc under [`SMALLEST_SPANS`] px shows tiny-skia's sampling, four rows and four columns a pixel: while it moves, its
-//! area wobbles by up to 3 %. Rasterised sixteen times as large, and summed up over the pixels from each of 16×16
+//! A disc under [`SMALLEST_SPANS`] px shows tiny-skia's sampling, four rows and four columns a pixel: while it moves,
+//! its area wobbles by up to 3 %. Rasterised sixteen times as large, and summed up over the pixels from each of 16×16
 //! places, it has the same area in all of them, since each of the small pixels is counted once.
 
 use glam::DVec2;
@@ -13,13 +13,15 @@ use super::ink::{Ink, LANES};
 use super::target::Target;
 use super::{BALL, Colour};
 
-/// From this radius on, px, tiny-skia's own sampling is fine enough: the area changes by less than 0.2 % when a disc is
-/// moved by 1/64 px.
+/// From this radius on, px, discs are painted by spans, as tiny-skia's own sampling is fine enough: the area changes by
+/// less than 0.2 % when a disc is moved by 1/64 px.
 pub(super) const SMALLEST_SPANS: f64 = 10.0;
-/// Places within a pixel, along each axis, that a centre is rounded to.
-const PHASES: i32 = 16;
-/// Radii per px that a radius is rounded to.
-const RADII: f64 = 32.0;
+/// Places within a pixel, along each axis, that a centre is rounded to, as a power of two: a place is a *part* of a
+/// pixel.
+const PHASE_BITS: u32 = 4;
+const PHASES: i32 = 1 << PHASE_BITS;
+/// Steps per px that a radius is rounded to.
+const STEPS: f64 = 32.0;
 
 /// The masks of small discs, for each radius in use: 17 MB if all there are were in use.
 #[derive(Debug, Default)]
@@ -41,9 +43,10 @@ struct Masks {
     coverage: Vec<[u8; LANES]>,
 }
 
+/// A radius in steps.
 fn step(radius: f64) -> usize {
     // A disc that can hardly be seen has the smallest radius that can.
-    ((radius * RADII + 0.5) as i32).max(1) as usize
+    ((radius * STEPS + 0.5) as i32).max(1) as usize
 }
 
 impl Coverage {
@@ -53,7 +56,7 @@ impl Coverage {
         if self.masks.len() <= step {
             self.masks.resize_with(step + 1, || None);
         }
-        self.masks[step].get_or_insert_with(|| Masks::new(step as f64 / RADII));
+        self.masks[step].get_or_insert_with(|| Masks::new(step as f64 / STEPS));
     }
 
     /// Paints a disc whose radius has been prepared.
@@ -98,19 +101,21 @@ impl Masks {
     }
 
     fn paint(&self, centre: DVec2, colour: Colour, target: &mut Target<'_>) {
-        let (x, y) = (place(centre.x), place(centre.y));
-        let (left, top) = ((x >> 4) + first(x & 15, self.reach), (y >> 4) + first(y & 15, self.reach));
+        let (x, y) = (in_parts(centre.x), in_parts(centre.y));
+        let (column, row) = (x & (PHASES - 1), y & (PHASES - 1));
+        let left = (x >> PHASE_BITS) + first(column, self.reach);
+        let top = (y >> PHASE_BITS) + first(row, self.reach);
         let clip = target.clip;
         let (from, to) = (top.max(clip.top), (top + self.rows as i32).min(clip.bottom));
         if from >= to {
             return;
         }
-        let row = self.blocks;
-        let start = ((y & 15) * PHASES + (x & 15)) as usize * self.rows * row;
-        let mask = &self.coverage[start + (from - top) as usize * row..start + (to - top) as usize * row];
+        let width = self.blocks;
+        let start = (row * PHASES + column) as usize * self.rows * width;
+        let mask = &self.coverage[start + (from - top) as usize * width..start + (to - top) as usize * width];
         let ink = Ink::new(colour);
-        if left >= clip.left && left + (row * LANES) as i32 <= clip.right {
-            for (mask, pixels) in mask.chunks_exact(row).zip(target.rows_from(left, from)) {
+        if left >= clip.left && left + (width * LANES) as i32 <= clip.right {
+            for (mask, pixels) in mask.chunks_exact(width).zip(target.rows_from(left, from)) {
                 let (pixels, _) = pixels.as_chunks_mut::<LANES>();
                 for (mask, pixels) in mask.iter().zip(pixels) {
                     // Whole pixels too: to tell them apart would take longer.
@@ -121,7 +126,7 @@ impl Masks {
         } else {
             let skipped = (clip.left - left).max(0) as usize;
             let Some(count) = usize::try_from(clip.right - left.max(clip.left)).ok() else { return };
-            for (mask, pixels) in mask.chunks_exact(row).zip(target.rows_from(left.max(clip.left), from)) {
+            for (mask, pixels) in mask.chunks_exact(width).zip(target.rows_from(left.max(clip.left), from)) {
                 let mask = mask.as_flattened().iter().skip(skipped);
                 for (&coverage, pixel) in mask.zip(&mut pixels[..count]) {
                     ink.blend_bytes(pixel, &[coverage; 4]);
@@ -131,8 +136,8 @@ impl Masks {
     }
 }
 
-/// A coordinate, in parts of a pixel.
-fn place(coordinate: f64) -> i32 {
+/// A coordinate in px, rounded to parts of a pixel.
+fn in_parts(coordinate: f64) -> i32 {
     // Moved to where truncation rounds down; a small disc that can be seen is no farther from the picture than this.
     const MOVED: i32 = 1 << 16;
     (coordinate * f64::from(PHASES) + (f64::from(MOVED) + 0.5)) as i32 - MOVED
@@ -140,10 +145,10 @@ fn place(coordinate: f64) -> i32 {
 
 /// The first pixel, from that of the centre, that a disc with its centre at a `part` of it reaches.
 fn first(part: i32, reach: i32) -> i32 {
-    (part - reach) >> 4
+    (part - reach) >> PHASE_BITS
 }
 
-/// Sums over the rectangles from the upper left corner of a large disc's picture.
+/// Sums over the rectangles from the upper left corner of a large disc's picture: a summed-area table (Crow 1984).
 struct Sums {
     reach: i32,
     side: usize,
@@ -187,8 +192,8 @@ mod tests {
     #[test]
     fn the_masks_of_all_small_radii_take_no_more_than_20_megabytes() {
         let mut coverage = Coverage::default();
-        for step in 0..=(SMALLEST_SPANS * RADII) as usize * 8 {
-            coverage.prepare((step as f64 / RADII / 8.0).min(SMALLEST_SPANS));
+        for step in 0..=(SMALLEST_SPANS * STEPS) as usize * 8 {
+            coverage.prepare((step as f64 / STEPS / 8.0).min(SMALLEST_SPANS));
         }
         assert!((10_000_000..20_000_000).contains(&coverage.bytes()), "{} bytes", coverage.bytes());
     }

@@ -36,8 +36,8 @@ impl Ink {
         Self { pixel, wide: std::array::from_fn(|byte| pixel[byte % 4].into()) }
     }
 
-    /// Blends this over pixels, by a coverage of 0 to 255 for each of their bytes. 0 leaves a byte as it was and 255 makes
-    /// it this: for so few pixels that costs less than to ask which of them need it.
+    /// Blends this over pixels, by a coverage of 0 to 255 for each of their bytes. 0 leaves a byte as it was and 255
+    /// makes it this: for so few pixels that costs less than to ask which of them need it.
     #[inline]
     pub(super) fn blend<const COUNT: usize>(&self, pixels: &mut [Pixel; COUNT], coverage: &[u8]) {
         self.blend_bytes(pixels.as_flattened_mut(), coverage);

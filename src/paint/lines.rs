@@ -1,8 +1,8 @@
 //! Where a large disc begins and ends on each of the lines that tiny-skia samples.
 //!
-//! tiny-skia cuts a pixel into four lines and each line into four parts. The ends of a disc on its lines follow the sides
-//! of its polygon, in the fixed-point arithmetic of tiny-skia's edges: they are those of `fill_path` to the bit, for a disc
-//! that no border cuts.
+//! tiny-skia cuts a pixel into four lines and each line into four parts. The ends of a disc on its lines follow the
+//! sides of its polygon, in the fixed-point arithmetic of tiny-skia's edges: they are those of `fill_path` to the bit,
+//! for a disc that no border cuts.
 
 use std::ops::Range;
 
@@ -24,12 +24,13 @@ const FARTHEST: f64 = 8000.0;
 #[derive(Debug, Default)]
 pub(super) struct Corners(Vec<Vec<DVec2>>);
 
-/// Where the lines of a disc's rows begin and end, in parts of a pixel; kept from disc to disc. A line that the disc does
-/// not reach has no length.
+/// Where the lines of a disc's rows begin and end, in parts of a pixel; kept from disc to disc. A line that the disc
+/// does not reach has no length.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
-    /// Four for each row, and [`STRIDE`] behind the last.
+    /// Four begin for each row, and [`STRIDE`] more stand behind the last ...
     left: Vec<i32>,
+    /// ... and as many end.
     right: Vec<i32>,
     /// The polygon's corners, in 64ths of a line and of a part.
     corners: Vec<(i32, i32)>,
@@ -63,8 +64,8 @@ impl Corners {
 }
 
 impl Lines {
-    /// Finds the lines of a disc whose radius has been prepared, in an area that may cut it off, which is not empty. Gives
-    /// the first row that the disc touches, and the lines of that and of those below it.
+    /// Finds the lines of a disc whose radius has been prepared, in an area that may cut it off, which is not empty.
+    /// Gives the first row that the disc touches, and the lines of that and of those below it.
     pub(super) fn follow(
         &mut self,
         disc: &Disc,
@@ -149,8 +150,8 @@ impl Lines {
 
 /// A coordinate in 256ths of a pixel, which are 64ths of a line, rounded down.
 fn round_down(coordinate: f32) -> i32 {
-    // In f64 the sum has no room for fractions, so it rounds to the nearest; the lower half of its bits is the number. A
-    // cast checks its range and takes three times as long.
+    // In f64 the sum has no room for fractions, so it rounds to the nearest; the lower half of its bits is the number.
+    // A cast checks its range and takes three times as long.
     const NO_FRACTIONS: f64 = 1.5 * (1_u64 << 52) as f64;
     // So little less than a half that no f32 lies between them.
     const HALF: f64 = 0.5 - 1.0 / (1_u64 << 25) as f64;
@@ -162,8 +163,8 @@ fn line(height: i32) -> usize {
     (height + 32) as usize >> 6
 }
 
-/// Where a polygon's sides, from its highest to its lowest corner, cross lines, stepped down line by line as tiny-skia's
-/// `LineEdge` is; up to [`STRIDE`] lines below the lowest corner are overwritten.
+/// Where a polygon's sides, from its highest to its lowest corner, cross lines, stepped down line by line as
+/// tiny-skia's `LineEdge` is; up to [`STRIDE`] lines below the lowest corner are overwritten.
 fn follow_sides(corners: &[(i32, i32)], ends: &mut [i32]) {
     let Some((&first, corners)) = corners.split_first() else { return };
     let (mut upper, mut from) = (first, line(first.1));

@@ -66,9 +66,9 @@ impl Painter {
             return true;
         };
         for area in areas {
-            let discs = self.discs.iter().filter(|disc| !disc.area().and(area).is_empty());
+            let discs = self.discs.iter().filter(|disc| !disc.area().intersection(area).is_empty());
             let all = Target::rows(pixels, width, 0);
-            self.shapes.paint(discs, Target { clip: all.clip.and(area), ..all });
+            self.shapes.paint(discs, Target { clip: all.clip.intersection(area), ..all });
         }
         true
     }
@@ -79,7 +79,7 @@ impl Painter {
         self.size != Some(size) || self.next != self.discs
     }
 
-    /// Says that the pixmap painted last is not as it was: the next is painted as a whole.
+    /// Takes note that the pixmap painted last is not as it was: the next is painted as a whole.
     pub fn forget(&mut self) {
         self.size = None;
     }
@@ -109,12 +109,12 @@ impl Painter {
             if before == now {
                 continue;
             }
-            let area = |disc: Option<&Disc>| disc.map(|disc| disc.area().and(picture));
+            let area = |disc: Option<&Disc>| disc.map(|disc| disc.area().intersection(picture));
             match (area(before), area(now)) {
-                (Some(before), Some(now)) if before.with(now).count() > before.count() + now.count() => {
+                (Some(before), Some(now)) if before.around(now).count() > before.count() + now.count() => {
                     areas.extend([before, now]);
                 }
-                (Some(before), Some(now)) => areas.push(before.with(now)),
+                (Some(before), Some(now)) => areas.push(before.around(now)),
                 (before, now) => areas.extend(before.or(now)),
             }
             if areas.len() > most {

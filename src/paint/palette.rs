@@ -1,20 +1,20 @@
 //! The colours of a GIF's frame: at most 255 that stand for all that are in it.
 //!
-//! Colours that differ by less than an eye sees count as one, the one that most pixels have. The most frequent ones stay,
-//! and others become the nearest of them, as long as they are near enough and of few pixels; where that leaves too many, how
-//! near and how few grows until they fit. So what fills areas keeps its colour to the byte, and edges, text and what fades
-//! have steps that hardly show.
+//! Colours that differ by less than an eye sees count as one, the one that most pixels have. The most frequent ones
+//! stay, and others become the nearest of them, as long as they are near enough and of few pixels; where that leaves
+//! too many, how near and how few grows until they fit. So what fills areas keeps its colour to the byte, and edges,
+//! text and what fades have steps that hardly show.
 
-/// A pixel of a pixmap: red, green, blue, and what is not looked at.
-pub(super) type Pixel = [u8; 4];
+use super::ink::Pixel;
 
 /// The most colours of a frame; one more index is needed for pixels that stay as they were.
 pub(super) const MOST: usize = 255;
 /// Colours that agree in so many bits of red, green and blue count as one.
 const BITS: u32 = 6;
-/// The squared distance within which a colour may be taken for another, and the share of all pixels that those of this
-/// colour may be, times their squared distance: areas of one colour stay as they are. Both are doubled until the colours fit.
+/// The squared distance within which a colour may be taken for another, at first: it is doubled until the colours fit.
 const NEAR: u32 = 49;
+/// What the pixels of such a colour, times their squared distance, may come to: one part in so many of all pixels at
+/// first, doubled too. So areas of one colour stay as they are.
 const SHARE: u64 = 4;
 
 /// A choice of colours in the making: pixels are counted, then reduced, and then found.
@@ -79,8 +79,8 @@ impl Palette {
         }
     }
 
-    /// Gives each entry the nearest of the colours before it, or makes it one of them where none is `near` enough, or its
-    /// pixels are too many for `budget`; `None` where these are too many.
+    /// Gives each entry the nearest of the colours before it, or makes it one of them where none is `near` enough, or
+    /// its pixels are too many for `budget`; `None` where these are too many.
     fn choose(&mut self, order: &[usize], near: u32, budget: u64) -> Option<Vec<[u8; 3]>> {
         let mut colours: Vec<[u8; 3]> = Vec::with_capacity(MOST);
         for &place in order {

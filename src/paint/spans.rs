@@ -9,7 +9,7 @@ use super::target::Target;
 
 /// Paints a disc whose radius has been prepared. `lines` is room to work in.
 pub(super) fn paint(disc: &Disc, corners: &Corners, lines: &mut Lines, target: &mut Target<'_>) {
-    let area = disc.area().and(target.clip);
+    let area = disc.area().intersection(target.clip);
     if area.is_empty() {
         return;
     }
@@ -43,8 +43,8 @@ impl Row {
         }
     }
 
-    /// Paints exactly the pixels that the row touches, where each of its edges lies in a block: those from columns `first`
-    /// and `last` on.
+    /// Paints exactly the pixels that the row touches, where each of its edges lies in a block: those from columns
+    /// `first` and `last` on.
     #[inline]
     fn paint_ends(&self, pixels: &mut [Pixel], first: i32, last: i32, ink: &Ink) {
         let Some((left, rest)) = pixels.split_first_chunk_mut::<BLOCK>() else { return };

@@ -6,14 +6,11 @@
 use std::ops::Range;
 
 use glam::DVec2;
-#[cfg(feature = "window")]
 use tiny_skia::PixmapMut;
 
-#[cfg(feature = "window")]
 use super::Colour;
 
 /// What a line is drawn with.
-#[cfg(feature = "window")]
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pen {
     pub(crate) colour: Colour,
@@ -23,7 +20,6 @@ pub(crate) struct Pen {
     pub(crate) width: f64,
 }
 
-#[cfg(feature = "window")]
 impl Pen {
     /// A straight line with round ends; all in pixels.
     pub(crate) fn line(self, pixmap: &mut PixmapMut<'_>, from: DVec2, to: DVec2) {
@@ -48,8 +44,8 @@ impl Pen {
     }
 }
 
-/// Calls `plot` with each pixel, by its index in a picture of `size` px, that a line with round ends covers: how far along
-/// the line the pixel is (0 to 1), and how much of it is covered (0 to 1).
+/// Calls `plot` with each pixel, by its index in a picture of `size` px, that a line with round ends covers: how far
+/// along the line the pixel is (0 to 1), and how much of it is covered (0 to 1).
 pub(super) fn line(
     size: (u32, u32),
     (from, to): (DVec2, DVec2),
@@ -63,7 +59,7 @@ pub(super) fn line(
     let per_square = if along == DVec2::ZERO { 0.0 } else { along.length_squared().recip() };
     let reach = width / 2.0 + 0.5;
     let (low, high) = (from.min(to) - reach, from.max(to) + reach);
-    // Lines narrower than a pixel are as wide and so much fainter.
+    // Lines narrower than a pixel are drawn as wide as one, and fainter by as much.
     let faint = width.min(1.0);
     for y in cells(low.y, high.y, size.1) {
         let middle = f64::from(y) + 0.5;
@@ -86,16 +82,9 @@ pub(super) fn line(
     }
 }
 
-/// Calls `plot` with each pixel, by its index in a picture of `size` px, that a ring covers whose line has its middle at
-/// `radius`, and how much of the pixel is covered (0 to 1).
-#[cfg(feature = "window")]
-pub(super) fn ring(
-    size: (u32, u32),
-    centre: DVec2,
-    radius: f64,
-    width: f64,
-    mut plot: impl FnMut(usize, f64),
-) {
+/// Calls `plot` with each pixel, by its index in a picture of `size` px, that a ring covers whose line has its middle
+/// at `radius`, and how much of the pixel is covered (0 to 1).
+fn ring(size: (u32, u32), centre: DVec2, radius: f64, width: f64, mut plot: impl FnMut(usize, f64)) {
     if !(centre.is_finite() && radius.is_finite() && width > 0.0) {
         return;
     }
@@ -132,7 +121,7 @@ fn cells(low: f64, high: f64, count: u32) -> Range<u32> {
     start..(high.ceil() as u32).clamp(start, count)
 }
 
-#[cfg(all(test, feature = "window"))]
+#[cfg(test)]
 mod tests {
     use std::f64::consts::PI;
 

@@ -29,7 +29,8 @@ impl Area {
         self.left >= self.right || self.top >= self.bottom
     }
 
-    pub(super) fn and(self, other: Self) -> Self {
+    /// What both have in common.
+    pub(super) fn intersection(self, other: Self) -> Self {
         Self {
             left: self.left.max(other.left),
             top: self.top.max(other.top),
@@ -39,7 +40,7 @@ impl Area {
     }
 
     /// The smallest area that holds both.
-    pub(super) fn with(self, other: Self) -> Self {
+    pub(super) fn around(self, other: Self) -> Self {
         Self {
             left: self.left.min(other.left),
             top: self.top.min(other.top),

@@ -12,8 +12,8 @@ const ADVANCE: f64 = 0.602;
 pub(crate) const LINE: f64 = 1.5;
 /// From the top of a line to its baseline: letters reach about 0.7 above that, and their middle stands in the line's.
 pub(crate) const BASELINE: f64 = LINE / 2.0 + 0.35;
-/// The box that stands for a character that the font lacks: its left, right and upper edge and the width of its lines, as
-/// fractions of the size.
+/// The box that stands for a character that the font lacks: its left, right and upper edge and the width of its lines,
+/// as fractions of the size.
 const MISSING: [f64; 4] = [0.08, 0.52, 0.72, 0.05];
 
 /// The width of a line of text at `size` px.

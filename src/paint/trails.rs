@@ -3,6 +3,7 @@
 use glam::DVec2;
 use tiny_skia::PixmapMut;
 
+use super::ink::Pixel;
 use super::strokes::line;
 use super::{BACKGROUND, BALL, CONTACT, Colour};
 use crate::simulation::Simulation;
@@ -13,7 +14,7 @@ const FADES: f64 = 0.55;
 const TICK: f64 = 1.0 / 30.0;
 /// After so many steps nothing is left: each takes at least one of 255 levels from what is fainter than 1/e of them.
 const GONE: u64 = 100;
-/// What a part of fading is counted in: as fine as products of 16 bits allow.
+/// What is left by a step of fading is counted in parts of this: as fine as products of 16 bits allow.
 const WHOLE: i16 = 128;
 /// Pixels that are faded together.
 const LANES: usize = 8;
@@ -21,12 +22,10 @@ const LANES: usize = 8;
 const BRIGHT: f64 = 0.6;
 /// The width of its line, px of the world.
 const WIDTH: f64 = 1.5;
-/// A ball that moved farther than so many times its speed allows has not flown there.
+/// A ball that moved farther than so many times what its speed allows ...
 const JUMP: f64 = 2.0;
-/// ... and than this, px.
-const JUMP_LEAST: f64 = 4.0;
-
-type Pixel = [u8; 4];
+/// ... and so many px more has not flown there.
+const LEAST_JUMP: f64 = 4.0;
 
 const BLANK: Pixel = [BACKGROUND.0, BACKGROUND.1, BACKGROUND.2, 255];
 
@@ -100,7 +99,7 @@ impl Trails {
         let balls = simulation.balls().iter().zip(simulation.touching());
         for ((ball, &touching), &from) in balls.zip(&self.last) {
             let to = ball.position() * self.scale;
-            let reach = JUMP * (ball.velocity().length() + gravity * passed) * passed + JUMP_LEAST;
+            let reach = JUMP * (ball.velocity().length() + gravity * passed) * passed + LEAST_JUMP;
             if from == to || from.distance(to) > reach * self.scale {
                 continue;
             }
@@ -126,8 +125,8 @@ impl Trails {
     }
 }
 
-/// Makes a pixel at least as much `ink` as this part says. What has more of it keeps that, so that pieces of one line do
-/// not show where they meet.
+/// Makes a pixel at least as much `ink` as this part says. What has more of it keeps that, so that pieces of one line
+/// do not show where they meet.
 fn add(pixel: &mut Pixel, Colour(red, green, blue): Colour, part: f64) {
     for ((value, blank), ink) in pixel.iter_mut().zip(BLANK).zip([red, green, blue]) {
         let mixed = (f64::from(blank) + part * (f64::from(ink) - f64::from(blank))).round() as u8;
