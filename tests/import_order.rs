@@ -22,12 +22,11 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
     ),
     (
         "report",
-        // Of headless, how output files are written.
+        // Of headless, how output files are written, and the progress bar.
         &["simulation", "scene", "headless"],
         &[
             "epaint_default_fonts",
             "glam",
-            "indicatif",
             "plotters",
             "qd",
             "serde",

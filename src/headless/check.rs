@@ -28,6 +28,7 @@ pub struct Broken {
     pub file: Result<PathBuf, OutputError>,
 }
 
+/// What a message says of the scene that is left behind.
 fn left(file: &Result<PathBuf, OutputError>) -> String {
     match file {
         Ok(path) => {
@@ -49,7 +50,8 @@ impl Check {
         Self { ledger: if run.course.scene().rain().is_some() { ledger.without_flights() } else { ledger } }
     }
 
-    /// Holds the frame of this number, from 1, that `delta` seconds led to against the laws.
+    /// Holds the frame of this number, from 1, that `delta` seconds led to against the laws, and leaves the scene of
+    /// the frame before behind where one is broken.
     pub(super) fn hold(
         &mut self,
         run: &Run,

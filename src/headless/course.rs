@@ -75,7 +75,7 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// What comes behind the last frame.
+    /// Plays what comes after the last frame: changes of a replay.
     pub(super) fn finish(&mut self) -> Result<(), crate::OutOfRange> {
         if let Self::Replay(replay) = self {
             while replay.advance()? {}

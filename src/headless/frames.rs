@@ -64,9 +64,9 @@ const LONGEST: f64 = 1e9;
 const MOST_FRAMES: f64 = 1e15;
 /// The longest file of deltas, bytes: ten million frames.
 const LONGEST_FILE: u64 = 1 << 28;
-/// So many characters of a line that is no delta are shown.
-const ENTRY_MOST: usize = 60;
-/// Time that is a whole number of frames but for this part of one is a whole number of frames.
+/// The most characters of a line that a message quotes.
+const LONGEST_QUOTE: usize = 60;
+/// Time that differs from a whole number of frames by no more than this part of one is that number of frames.
 const ROUNDING: f64 = 1e-6;
 
 impl Frames {
@@ -120,7 +120,7 @@ impl Frames {
             let wrong = |message| FramesError::Line { path: path.to_owned(), line, message };
             let delta: f64 = entry
                 .parse()
-                .map_err(|_| wrong(format!("\"{}\" is not a number", shown(entry, ENTRY_MOST))))?;
+                .map_err(|_| wrong(format!("\"{}\" is not a number", shown(entry, LONGEST_QUOTE))))?;
             deltas.push(DELTA.check(delta).map_err(|error: OutOfRange| wrong(error.to_string()))?);
         }
         if deltas.is_empty() {
@@ -138,7 +138,10 @@ impl Frames {
         }
     }
 
-    /// The delta of a frame, from 0, in seconds.
+    /// The delta in seconds of a frame, from 0, of which there are [`count`](Self::count).
+    ///
+    /// # Panics
+    /// Where deltas were [read](Self::read) and there is no such frame.
     #[must_use]
     pub fn delta(&self, frame: u64) -> f64 {
         match &self.0 {
@@ -155,6 +158,7 @@ impl Frames {
     }
 }
 
+/// The text of a file of deltas, which is at most [`LONGEST_FILE`] bytes long.
 fn read(path: &Path) -> io::Result<String> {
     let mut text = String::new();
     File::open(path)?.take(LONGEST_FILE + 1).read_to_string(&mut text)?;

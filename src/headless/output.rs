@@ -10,7 +10,7 @@ use super::unfinished::Unfinished;
 
 /// Why an output was not written.
 #[derive(Debug, Error)]
-#[error("{}: {source}{}", super::place(path), remedy(path))]
+#[error("{}: {source}{}", super::in_words(path), remedy(path))]
 pub struct OutputError {
     /// Where it should have gone.
     pub path: PathBuf,
@@ -40,8 +40,8 @@ pub(super) fn is_stdout(path: &Path) -> bool {
     path == Path::new("-") || path == Path::new("/dev/stdout")
 }
 
-/// The same for all paths to the same place, as far as links to existing files and folders tell.
-pub(super) fn place(path: &Path) -> PathBuf {
+/// The same path for all paths to the same place, as far as links to existing files and folders tell.
+pub(super) fn canonical(path: &Path) -> PathBuf {
     if is_stdout(path) {
         return "-".into();
     }

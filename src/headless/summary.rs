@@ -44,7 +44,7 @@ pub struct Summary {
     pub non_finite: usize,
 }
 
-/// What is watched while a run goes on.
+/// What is watched while a run goes on; the fields are those of [`Summary`].
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Watched {
     pub(super) energy_start: f64,
@@ -52,11 +52,6 @@ pub(super) struct Watched {
     pub(super) wall_seconds: f64,
     pub(super) max_overlap: f64,
     pub(super) max_wall_overlap: f64,
-}
-
-/// Kinetic and potential energy of all balls.
-pub(super) fn energy(simulation: &Simulation) -> f64 {
-    kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
 }
 
 impl Summary {

@@ -1,8 +1,8 @@
 //! Files that are being written, each under a temporary name beside its place until it is whole.
 //!
 //! What is dropped before is removed. A program that is told to end by a signal drops nothing, so all of them stand in
-//! one list, and [`discard_unfinished`] removes what is there. Only what ends a program without a word (SIGKILL, a power
-//! failure) leaves such a file: its name begins with `.carom-`, and it may be deleted.
+//! one list, and [`discard_unfinished`] removes what is there. Only what ends a program without a word (SIGKILL, a
+//! power failure) leaves such a file: its name begins with `.carom-`, and it may be deleted.
 
 use std::fs;
 use std::io::{self, Write};
@@ -12,7 +12,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
-/// Where they are.
+/// The temporary names of all that are being written.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
@@ -56,7 +56,8 @@ impl Unfinished {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            // As any program's file: what the user's umask leaves of rw-rw-rw-, not the private mode of temporary files.
+            // As any program's file: what the user's umask leaves of rw-rw-rw-, not the private mode of temporary
+            // files.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         let mut unfinished = unfinished();
@@ -95,7 +96,7 @@ impl Unfinished {
     }
 }
 
-/// Does away with a file's temporary name, in one with its place in the list.
+/// Does away with a file's temporary name and its place in the list, so that nobody sees one without the other.
 fn leave<T>(file: NamedTempFile, by: impl FnOnce(NamedTempFile) -> T) -> T {
     let mut unfinished = unfinished();
     let name = file.path().to_owned();

@@ -1,0 +1,49 @@
+//! A progress bar: on a terminal, and not before a second has passed.
+
+use std::io::{self, IsTerminal};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// How long something takes before it shows its progress.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// How much is done of something, shown on standard error.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    begun: Instant,
+    steps: u64,
+    /// What the bar shows, in the words of `indicatif`.
+    template: &'static str,
+    bar: Option<ProgressBar>,
+}
+
+impl Progress {
+    /// The progress of something that takes so many steps.
+    pub(crate) fn new(steps: u64, template: &'static str) -> Self {
+        Self { begun: Instant::now(), steps, template, bar: None }
+    }
+
+    /// Shows that so many steps are done, and the `name` of what is being done, if it has any.
+    pub(crate) fn show(&mut self, done: u64, name: &str) {
+        if self.bar.is_none() && self.begun.elapsed() > PATIENCE && io::stderr().is_terminal() {
+            let style = ProgressStyle::with_template(self.template);
+            let bar = ProgressBar::new(self.steps);
+            self.bar = Some(bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
+        }
+        if let Some(bar) = &self.bar {
+            if !name.is_empty() {
+                bar.set_message(name.to_owned());
+            }
+            bar.set_position(done);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
