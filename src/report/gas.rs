@@ -14,7 +14,7 @@ use crate::simulation::{Ball, Simulation, Solver, World};
 
 /// How many balls.
 const COUNT: usize = 500;
-/// px.
+/// Their radius, px.
 const RADIUS: f64 = 3.0;
 /// The part of the area that they cover.
 const ETA: f64 = 0.3;
@@ -34,6 +34,7 @@ struct Statistics {
     compressibility: f64,
     /// How far the distribution of its speeds is from Maxwell's at most (Kolmogorov and Smirnov).
     speeds: f64,
+    /// The run times.
     times: Spread,
 }
 
@@ -51,14 +52,14 @@ fn start() -> Result<(World, Vec<Ball>), Unposed> {
     Ok((*simulation.world(), simulation.balls().to_vec()))
 }
 
-/// How long it is measured, s.
+/// How long a gas is measured, s.
 fn seconds(quick: bool) -> f64 {
     if quick { 2.0 } else { 30.0 }
 }
 
-/// Z = PA/NkT from the hits on the four walls. A ball of a Maxwellian gas brings √(2πmkT) to a wall on average, so h hits a
-/// second push each with F = h√(2πmkT)/4; by the virial theorem F·(L − 2r) = NkT·Z; and between walls Z is larger than in
-/// an endless gas by the factor 1 + 2rη/L (scaled particle theory; Helfand, Frisch & Lebowitz 1961).
+/// Z = PA/NkT from the hits on the four walls. A ball of a Maxwellian gas brings √(2πmkT) to a wall on average, so h
+/// hits a second push each with F = h√(2πmkT)/4; by the virial theorem F·(L − 2r) = NkT·Z; and between walls Z is
+/// larger than in an endless gas by the factor 1 + 2rη/L (scaled particle theory; Helfand, Frisch & Lebowitz 1961).
 fn compressibility(simulation: &Simulation) -> f64 {
     let (balls, side) = (simulation.balls(), simulation.world().size().x);
     let kt = kinetic_energy(balls) / balls.len() as f64;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::chart::{Axis, Curve, Dot, Figure, Panel, Style};
 use super::document::{Csv, Section, Table, rounded};
-use super::problems::{demo, growth_scenes};
+use super::problems::{demo, farthest, growth_scenes};
 use super::reference::{Collapse, Quad, Real, Reference};
 use super::setting::{LOOKS, Setting, looks};
 use super::{Context, ReportError};
@@ -14,9 +14,9 @@ use crate::simulation::{Ball, World};
 const SECONDS: f64 = 10.0;
 /// A ball that is so far from where it should be, px, is somewhere else.
 const LOST: f64 = 1.0;
-/// What is drawn of errors, px.
+/// The smallest and the largest error that are drawn, px.
 const DRAWN: (f64, f64) = (1e-16, 1e3);
-/// What one ball is moved by to see how chaos makes it grow, px: the last digit of an f64 at 100 px, and far beyond.
+/// What one ball is moved by to see how chaos makes it grow, px: far below the last digit of an f64.
 const NUDGE: f64 = 1e-28;
 
 /// The errors of one run at each look.
@@ -65,10 +65,6 @@ fn reference_run<R: Real>(
         }
     }
     (states, None)
-}
-
-fn farthest(errors: impl IntoIterator<Item = f64>) -> f64 {
-    errors.into_iter().fold(0.0, |most: f64, error| if error > most || error.is_nan() { error } else { most })
 }
 
 /// All runs of a scene against its reference, and when the reference ends.

@@ -1,7 +1,7 @@
 //! `carom report`: which solver to trust, for what, and at what cost.
 //!
-//! - `problems` are scenes of which it is known where their balls are; `accuracy` sets each solver's error against its run
-//!   time, over a ladder of settings (`setting`, `timing`, `fit`);
+//! - `problems` are scenes of which it is known where their balls are; `accuracy` sets each solver's error against its
+//!   run time, over a ladder of settings (`setting`, `timing`, `fit`);
 //! - `reference` is what is known where there is no closed form, and `growth` follows errors as chaos makes them grow;
 //! - `gas` and `pile` measure what has no trajectory to compare with;
 //! - `stability` are stiff and extreme cases, `parts` what a scene leaves out;
@@ -10,30 +10,32 @@
 //! # Methods
 //!
 //! *Work-precision diagrams* show the error over the run time, both logarithmic, one mark a setting (Hairer, Nørsett &
-//! Wanner, Solving Ordinary Differential Equations I, 1993, section II.10). A method of order p falls by hᵖ where time grows
-//! by 1/h, so its marks lie on a line of slope −p; a method without steps is a point. The error is the largest distance of a
-//! ball from its true place: at the end of the run, and over the whole of it. The run time is the median of repeated runs
-//! of [`Simulation::advance`](crate::Simulation::advance) alone; the quartiles show how far the machine can be trusted.
+//! Wanner, Solving Ordinary Differential Equations I, 1993, section II.10). A method of order p falls by hᵖ where time
+//! grows by 1/h, so its marks lie on a line of slope −p; a method without steps is a point. The error is the largest
+//! distance of a ball from its true place: at the end of the run, and over the whole of it. The run time is the median
+//! of repeated runs of [`Simulation::advance`](crate::Simulation::advance) alone; the quartiles show how far the
+//! machine can be trusted.
 //!
-//! *Closed forms*: the parabola; the hops of a dropped ball, which rests after √(2h/g)·(1+e)/(1−e); the law of impact for a
-//! pair; Newton's cradle; the unfolded straight line of a ball in a box; the number of impacts in Galperin's billiard,
-//! ⌊π·10ⁿ⌋ (Galperin, Playing pool with π, 2003).
+//! *Closed forms*: the parabola; the hops of a dropped ball, which rests after √(2h/g)·(1+e)/(1−e); the law of impact
+//! for a pair; Newton's cradle; the unfolded straight line of a ball in a box; the number of impacts in Galperin's
+//! billiard, ⌊π·10ⁿ⌋ (Galperin, Playing pool with π, 2003).
 //!
-//! *The reference* is event-driven in its plainest form (Alder & Wainwright, Studies in molecular dynamics I, 1959): all
-//! pairs and walls are searched for the earliest impact, all balls are moved there. Its numbers are pairs of f64 (Dekker
-//! 1971; Hida, Li & Bailey 2001), 32 digits. It shares no code with `exact`: where one ball rests and another flies, for
-//! instance, it bisects between the turns of a polynomial of fourth degree. It agrees with trajectories of 60 digits to
-//! 10⁻²¹ px, and a nudge of 10⁻²⁸ px shows for how long it means anything. With inelastic balls under gravity infinitely many
-//! impacts come in finite time (`McNamara` & Young, Inelastic collapse in two dimensions, 1992): a ball that bounces to rest
-//! on the floor rests in closed form; where balls come to rest on each other, the reference ends and says so.
+//! *The reference* is event-driven in its plainest form (Alder & Wainwright, Studies in molecular dynamics I, 1959):
+//! all pairs and walls are searched for the earliest impact, all balls are moved there. Its numbers are pairs of f64
+//! (Dekker 1971; Hida, Li & Bailey 2001), 32 digits. It shares no code with `exact`: where one ball rests and another
+//! flies, for instance, it bisects between the turns of a polynomial of fourth degree. It agrees with trajectories of
+//! 60 digits to 10⁻²¹ px, and a nudge of 10⁻²⁸ px shows for how long it means anything. With inelastic balls under
+//! gravity infinitely many impacts come in finite time (`McNamara` & Young, Inelastic collapse in two dimensions,
+//! 1992): a ball that bounces to rest on the floor rests in closed form; where balls come to rest on each other, the
+//! reference ends and says so.
 //!
 //! *A gas* has the compressibility of hard discs (Clisby & `McCoy`, Ninth and tenth order virial coefficients, 2006),
-//! measured by the hits on its walls and corrected for them (Helfand, Frisch & Lebowitz 1961), and Maxwell's speeds, measured by
-//! the distance of Kolmogorov and Smirnov.
+//! measured by the hits on its walls and corrected for them (Helfand, Frisch & Lebowitz 1961), and Maxwell's speeds,
+//! measured by the distance of Kolmogorov and Smirnov.
 //!
-//! *Stability*: each case states what must hold and up to which figure; a cell has held, is degraded with its figure, or has
-//! failed with what happened. Each runs in a process of its own, so that what hangs, aborts or takes all memory is measured,
-//! too.
+//! *Stability*: each case states what must hold and up to which figure; a cell has held, is degraded with its figure,
+//! or has failed with what happened. Each runs in a process of its own, so that what hangs, aborts or takes all memory
+//! is measured, too.
 
 mod accuracy;
 mod chart;
@@ -53,7 +55,7 @@ mod timing;
 
 use std::fs;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -74,8 +76,8 @@ pub struct Options {
     pub quick: bool,
     /// One section, problem or case alone.
     pub only: Option<String>,
-    /// The program itself, which [`cell`]s of the stability table are run by, each in a process of its own. Without it they
-    /// run in this process, which ends with a solver that aborts.
+    /// The program itself, which [`cell`]s of the stability table are run by, each in a process of its own. Without it
+    /// they run in this process, which ends with a solver that aborts.
     pub program: Option<PathBuf>,
 }
 
@@ -103,7 +105,7 @@ pub enum ReportError {
     Output(#[from] OutputError),
     /// A figure cannot be drawn.
     #[error(transparent)]
-    Chart(ChartError),
+    Chart(#[from] ChartError),
     /// A problem cannot be posed: a defect.
     #[error("a problem of the report is wrong: {0}")]
     Unposed(String),
@@ -122,6 +124,7 @@ struct Context {
     progress: Progress,
 }
 
+/// The names of the sections, in their order.
 const SECTIONS: [&str; 6] = ["accuracy", "growth", "gas", "pile", "stability", "parts"];
 
 impl Context {
@@ -146,71 +149,106 @@ pub fn cell(name: &str, quick: bool) -> Result<String, ReportError> {
 /// # Errors
 /// [`ReportError`]; what failed in a solver is no error, but stands in the report.
 pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
-    let mut problems = Problem::all()?;
-    let only = options.only.as_deref();
-    let cases = stability::names();
-    if let Some(name) = only {
-        let known: Vec<&'static str> = SECTIONS
-            .into_iter()
-            .chain(problems.iter().map(|problem| problem.name))
-            .chain(cases.clone())
-            .collect();
-        if !known.contains(&name) {
-            return Err(ReportError::Unknown { name: name.to_owned(), known });
-        }
-        if name != "accuracy" {
-            problems.retain(|problem| problem.name == name);
-        }
-    }
+    let wanted = Wanted::new(options.only.as_deref())?;
     fs::create_dir_all(&options.folder)
         .map_err(|source| ReportError::Folder { folder: options.folder.clone(), source })?;
     // Opened before what takes minutes, so that a folder that may not be written to is known at once.
     let page = options.folder.join("report.md");
     let page = (Output::create(&page)?, page);
-    let wanted = |section: &str| only.is_none_or(|name| name == section);
-    let case = only.filter(|name| cases.contains(name));
-    let stability_wanted = wanted("stability") || case.is_some();
     let effort = if options.quick { Effort::quick() } else { Effort::full() };
     let mut context = Context { quick: options.quick, effort, progress: Progress::new(0) };
-    let mut steps = accuracy::steps(&context, problems.len());
-    if wanted("growth") {
-        steps += growth::steps();
-    }
-    if wanted("gas") {
-        steps += gas::steps();
-    }
-    if wanted("pile") {
-        steps += pile::steps(options.quick);
-    }
-    if stability_wanted {
-        steps += stability::steps(case);
-    }
-    if wanted("parts") {
-        steps += parts::steps();
-    }
-    context.progress = Progress::new(steps);
-    let mut sections = Vec::new();
-    if !problems.is_empty() {
-        sections.push(accuracy::section(&problems, &mut context)?);
-    }
-    if wanted("growth") {
-        sections.push(growth::section(&mut context)?);
-    }
-    if wanted("gas") {
-        sections.push(gas::section(&mut context)?);
-    }
-    if wanted("pile") {
-        sections.push(pile::section(&mut context)?);
-    }
-    if stability_wanted {
-        sections.push(stability::section(case, options.program.as_deref(), &mut context));
-    }
-    if wanted("parts") {
-        sections.push(parts::section(&mut context)?);
-    }
+    context.progress = Progress::new(wanted.steps(&context));
+    let sections = wanted.measure(options.program.as_deref(), &mut context)?;
     write_all(options, &sections, page)
 }
 
+/// What is to be reported.
+struct Wanted<'a> {
+    /// The one section, problem or case, where not all are.
+    only: Option<&'a str>,
+    /// The problems that are measured.
+    problems: Vec<Problem>,
+    /// The one case of the stability table, where not all are.
+    case: Option<&'a str>,
+}
+
+impl<'a> Wanted<'a> {
+    fn new(only: Option<&'a str>) -> Result<Self, ReportError> {
+        let (mut problems, cases) = (Problem::all()?, stability::names());
+        if let Some(name) = only {
+            let known: Vec<&'static str> = SECTIONS
+                .into_iter()
+                .chain(problems.iter().map(|problem| problem.name))
+                .chain(cases.clone())
+                .collect();
+            if !known.contains(&name) {
+                return Err(ReportError::Unknown { name: name.to_owned(), known });
+            }
+            if name != "accuracy" {
+                problems.retain(|problem| problem.name == name);
+            }
+        }
+        let case = only.filter(|name| cases.contains(name));
+        Ok(Self { only, problems, case })
+    }
+
+    /// Whether this section is wanted whole.
+    fn has(&self, section: &str) -> bool {
+        self.only.is_none_or(|name| name == section)
+    }
+
+    /// Whether cases of the stability table are wanted.
+    fn has_stability(&self) -> bool {
+        self.has("stability") || self.case.is_some()
+    }
+
+    /// How many steps of the progress bar this takes.
+    fn steps(&self, context: &Context) -> usize {
+        let mut steps = accuracy::steps(context, self.problems.len());
+        if self.has("growth") {
+            steps += growth::steps();
+        }
+        if self.has("gas") {
+            steps += gas::steps();
+        }
+        if self.has("pile") {
+            steps += pile::steps(context.quick);
+        }
+        if self.has_stability() {
+            steps += stability::steps(self.case);
+        }
+        if self.has("parts") {
+            steps += parts::steps();
+        }
+        steps
+    }
+
+    /// The sections, in their order; `program` is the one that cells of the stability table are run by.
+    fn measure(&self, program: Option<&Path>, context: &mut Context) -> Result<Vec<Section>, ReportError> {
+        let mut sections = Vec::new();
+        if !self.problems.is_empty() {
+            sections.push(accuracy::section(&self.problems, context)?);
+        }
+        if self.has("growth") {
+            sections.push(growth::section(context)?);
+        }
+        if self.has("gas") {
+            sections.push(gas::section(context)?);
+        }
+        if self.has("pile") {
+            sections.push(pile::section(context)?);
+        }
+        if self.has_stability() {
+            sections.push(stability::section(self.case, program, context));
+        }
+        if self.has("parts") {
+            sections.push(parts::section(context)?);
+        }
+        Ok(sections)
+    }
+}
+
+/// Writes the page, which was opened before at its path, and the files beside it.
 fn write_all(
     options: &Options,
     sections: &[Section],

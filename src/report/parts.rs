@@ -16,9 +16,11 @@ use crate::simulation::{Ball, BuildError, Pairs, Simulation, Solver, World};
 /// The demo's stages, and scenes of more balls.
 const SCENES: [&str; 11] =
     ["draw", "move", "two", "detect", "walls", "elastic", "inelastic", "gravity", "bullet", "gas", "pile"];
-/// How long a run is: this many ball-frames, or this many frames at most.
+/// How long a run is, in frames times balls ...
 const BALL_FRAMES: usize = 60_000;
+/// ... and in frames, at most.
 const MOST_FRAMES: usize = 600;
+/// The delta of a frame, s.
 const FRAME: f64 = 1.0 / 60.0;
 
 /// Parts that are switched on one after the other.
@@ -84,6 +86,7 @@ struct Cost {
     parts: Vec<String>,
 }
 
+/// The frames of a run of so many balls.
 fn frames(balls: usize) -> usize {
     (BALL_FRAMES / balls.max(1)).clamp(10, MOST_FRAMES)
 }
@@ -217,7 +220,7 @@ fn row(scene: &str, count: usize, solver: Solver, costs: &[Cost]) -> Vec<String>
     cells
 }
 
-/// The cost of the stages, and the floor below each.
+/// The cost of each scene, and the floor below it.
 fn figure(all: &[(&str, Solver, Vec<Cost>)]) -> Figure {
     let median = |cost: Option<&Cost>| cost.and_then(|cost| Some(cost.nanoseconds.as_ref().ok()?.median));
     let place = |scene: &str| SCENES.iter().position(|name| *name == scene).map_or(0.0, |index| index as f64);

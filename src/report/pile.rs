@@ -1,9 +1,10 @@
-//! A pile, measured by what is wrong with it once it lies: how deep its balls are in each other, and how much they move.
+//! A pile, measured by what is wrong with it once it lies: how deep its balls are in each other, and how much they
+//! move.
 
 use super::chart::{Dot, Figure, Panel, given_up};
 use super::document::{Csv, Section, Table, duration, rounded};
 use super::problems::Unposed;
-use super::setting::{GivenUp, Setting};
+use super::setting::{GivenUp, LOOKS, Setting};
 use super::{Context, ReportError};
 use crate::scene::Scene;
 use crate::simulation::grid::Grid;
@@ -14,7 +15,7 @@ const COUNT: usize = 300;
 /// How long they fall and settle, s.
 const SECONDS: f64 = 6.0;
 /// The last so many looks are those of the settled pile: a second.
-const SETTLED: usize = 30;
+const SETTLED: u32 = LOOKS;
 
 /// A settled pile.
 #[derive(Debug, Clone, Copy)]
@@ -24,13 +25,14 @@ struct Rest {
     most_overlap: f64,
     /// The root mean square of speeds, px/s.
     speed: f64,
-    /// The time of one run.
+    /// The run time, s.
     seconds: f64,
 }
 
+/// The balls above the floor, from where they fall.
 fn start() -> Result<(World, Vec<Ball>), Unposed> {
     let wrong = |error: crate::SceneError| Unposed::Scene(error.to_string());
-    // Half of a 16:9 box of balls of radius 3 to 6.
+    // Balls of radius 3 to 6, whose squares have a mean of 21, cover half of a 16:9 box.
     let area = COUNT as f64 * std::f64::consts::PI * 21.0 * 2.0;
     let (width, height) = ((area * 16.0 / 9.0).sqrt().round(), (area * 9.0 / 16.0).sqrt().round());
     let text = format!(
@@ -59,7 +61,7 @@ fn overlaps(grid: &mut Grid, simulation: &Simulation) -> (f64, f64) {
 fn measure(world: &World, balls: &[Ball], setting: Setting, context: &Context) -> Result<Rest, GivenUp> {
     let mut grid = Grid::new(balls, world.size());
     let (mut means, mut squares, mut most) = (Vec::new(), Vec::new(), 0.0_f64);
-    let begin = SECONDS - SETTLED as f64 / 30.0;
+    let begin = SECONDS - f64::from(SETTLED) / f64::from(LOOKS);
     setting.watch(world, balls, SECONDS, context.effort.limit, |time, simulation| {
         if time > begin {
             let (mean, deepest) = overlaps(&mut grid, simulation);

@@ -8,11 +8,11 @@ use crate::simulation::{Ball, BuildError, Simulation, Solver, World};
 
 /// Frames or substeps in a second: the ladder of the solvers that take steps.
 const RATES: [u32; 9] = [30, 60, 120, 240, 480, 960, 1920, 3840, 7680];
-/// px/s: the ladder of the one that knows events alone.
+/// Rest speeds, px/s: the ladder of `exact`, which knows events alone.
 const REST_SPEEDS: [f64; 8] = [10.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 /// How often a run is looked at, 1/s; every rate is a multiple.
 pub(super) const LOOKS: u32 = 30;
-/// A rest of time that is this part of a step is none.
+/// What is left of a time is nothing where it is less than this part of a step.
 const ROUNDING: f64 = 1e-6;
 
 /// A solver and what it is told.
@@ -60,8 +60,8 @@ impl From<BuildError> for GivenUp {
 }
 
 impl Setting {
-    /// A solver's ladder, from its coarsest setting to its finest; in a quick report every second of them, that which it is
-    /// used with among them.
+    /// A solver's ladder, from its coarsest setting to its finest; in a quick report every second of them, its default
+    /// among them.
     pub(super) fn ladder(solver: Solver, quick: bool) -> Vec<Self> {
         let (first, every) = if quick { (1, 2) } else { (0, 1) };
         match solver {

@@ -1,8 +1,7 @@
 //! The work-precision diagrams.
 
 use super::{Measured, Point};
-use crate::report::ReportError;
-use crate::report::chart::{ChartError, Dot, Figure, Guide, Panel, given_up};
+use crate::report::chart::{Dot, Figure, Guide, Panel, given_up};
 use crate::report::problems::Problem;
 use crate::simulation::Solver;
 
@@ -59,10 +58,4 @@ fn panel(problem: &Problem, points: &[Point], at_end: bool) -> Panel {
         through.map(|through| Guide { label, through, slope: -f64::from(order) })
     };
     Panel { guides: [1, 2].into_iter().filter_map(guide).collect(), ..panel }
-}
-
-impl From<ChartError> for ReportError {
-    fn from(error: ChartError) -> Self {
-        Self::Chart(error)
-    }
 }

@@ -181,7 +181,8 @@ mod tests {
     fn exact_is_at_rounding_on_closed_forms() {
         for problem in Problem::all().unwrap().iter().filter(|problem| problem.closed) {
             let effort = Effort { runs: 1, most: 1, ..Effort::full() };
-            // What an f64 resolves of paths of some hundred px, of 920,000 px, and of 3,141 impacts with a mass ratio of 10⁶.
+            // What an f64 resolves of paths of some hundred px, of 920,000 px, and of 3,141 impacts with a mass ratio
+            // of 10⁶.
             let most = match problem.name {
                 "box" | "galperin" => 1e-9,
                 _ => 2e-11,

@@ -24,6 +24,7 @@ const LABEL: u32 = 16;
 const NUMBER: u32 = 15;
 const NOTE: u32 = 14;
 
+/// An error of the plotting library in words.
 fn told(error: impl Display) -> String {
     error.to_string()
 }

@@ -1,7 +1,7 @@
 //! Figures: panels of curves, as SVG and as PNG.
 //!
-//! Both are drawn by the same code with `plotters`, in a font that the program carries, so that a figure needs no font of
-//! the system and looks the same everywhere. Colours are those of Okabe and Ito, which most colour-blind people tell
+//! Both are drawn by the same code with `plotters`, in a font that the program carries, so that a figure needs no font
+//! of the system and looks the same everywhere. Colours are those of Okabe and Ito, which most colour-blind people tell
 //! apart; marks and dashes tell the same in grey.
 
 mod axis;
@@ -85,7 +85,7 @@ pub(super) struct Curve {
     pub(super) label: String,
     pub(super) style: Style,
     pub(super) dots: Vec<Dot>,
-    /// Every which of them has a mark.
+    /// One in so many of them has a mark.
     pub(super) marked: usize,
     /// Whether a line joins them: not where they have no order.
     pub(super) lined: bool,
@@ -155,8 +155,9 @@ pub(super) struct Figure {
     pub(super) panels: Vec<Panel>,
 }
 
-/// A panel's size, px, beside another and alone.
+/// The width and the height of a panel, px.
 const PANEL: (u32, u32) = (480, 350);
+/// The width of a panel that has none beside it, px.
 const WIDE: u32 = 800;
 /// The height of a row of the legend, px.
 const LEGEND: u32 = 30;

@@ -6,11 +6,11 @@ use super::{Problem, Setup, Unposed};
 use crate::simulation::limits::OutOfRange;
 use crate::simulation::{Ball, Pairs, World};
 
-/// px/s².
+/// The demo's gravity, px/s².
 const GRAVITY: f64 = 980.0;
 /// From how high above the floor a ball is dropped, px.
 const DROP: f64 = 400.0;
-/// What the floor gives it back.
+/// The floor's restitution.
 const DROP_RESTITUTION: f64 = 0.8;
 
 pub(super) fn problems() -> Result<Vec<Problem>, Unposed> {
@@ -193,7 +193,7 @@ fn boxed() -> Result<Problem, Unposed> {
         let within = at.rem_euclid(2.0 * span);
         if within > span { 2.0 * span - within } else { within }
     };
-    // The unfolded line crosses a wall of the copies of the box so often, on each axis.
+    // How often the unfolded line crosses walls of the box's copies, along one axis.
     let crossed = |from: f64, speed: f64, span: f64| ((from + speed * setup.seconds) / span).floor().abs();
     let bounces = crossed(190.0, velocity.x, 980.0) + crossed(290.0, velocity.y, 680.0);
     let problem = setup.with_truth(|time| {

@@ -109,11 +109,13 @@ impl Problem {
     /// How far the balls are at most from where they should be at this look, px.
     pub(super) fn error(&self, look: usize, balls: &[Ball]) -> f64 {
         let truth = &self.truth[look.min(self.truth.len() - 1)];
-        let apart = |(ball, truth): (&Ball, &DVec2)| ball.position().distance(*truth);
-        // A NaN must not vanish in a maximum.
-        let farthest = |most: f64, error: f64| if error > most || error.is_nan() { error } else { most };
-        balls.iter().zip(truth).map(apart).fold(0.0, farthest)
+        farthest(balls.iter().zip(truth).map(|(ball, truth)| ball.position().distance(*truth)))
     }
+}
+
+/// The largest of errors, from 0 up; a NaN does not vanish in it.
+pub(super) fn farthest(errors: impl IntoIterator<Item = f64>) -> f64 {
+    errors.into_iter().fold(0.0, |most: f64, error| if error > most || error.is_nan() { error } else { most })
 }
 
 #[cfg(test)]

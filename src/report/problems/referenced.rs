@@ -32,7 +32,8 @@ pub(super) fn problems() -> Result<Vec<Problem>, Unposed> {
     Ok(problems)
 }
 
-/// A hit presses a ball that lies on the floor into it, and the floor throws it back at once: three impacts at one time.
+/// A hit presses a ball that lies on the floor into it, and the floor throws it back at once: three impacts at one
+/// time.
 fn struck() -> Result<Problem, Unposed> {
     let world = World::new(DVec2::new(200.0, 300.0))?.with_walls(0.8)?;
     let soft = |x: f64, y: f64, radius: f64| Ball::new(DVec2::new(x, y), radius)?.with_restitution(0.7);

@@ -1,8 +1,8 @@
 //! The reference for scenes without a closed form: a plain event-driven run in numbers of twice the digits.
 //!
-//! All pairs and all walls are looked at for the earliest impact, all balls are moved there, the impact is taken, and so
-//! on: no cells, no queue, nothing kept from one impact to the next, and no code of the `exact` solver. The same run with
-//! `f64` for its numbers shows for how long these can be trusted, whoever computes with them.
+//! All pairs and all walls are looked at for the earliest impact, all balls are moved there, the impact is taken, and
+//! so on: no cells, no queue, nothing kept from one impact to the next, and no code of the `exact` solver. The same run
+//! with `f64` for its numbers shows for how long these can be trusted, whoever computes with them.
 
 mod real;
 mod roots;
@@ -15,11 +15,12 @@ use crate::simulation::{Ball, World};
 
 /// A ball that bounces off the floor more slowly than this rests there, px/s: its hops are 10⁻²⁷ px high.
 const REST_SPEED: f64 = 1e-12;
-/// The same where a number's rounding is larger than what that would need.
+/// The same in `f64`, whose rounding hides such hops.
 const REST_SPEED_F64: f64 = 1e-7;
-/// So many impacts within [`AT_ONCE`] seconds are a collapse: an infinite number in finite time, which no event-driven run
-/// gets beyond without a rule for it.
+/// So many impacts within [`AT_ONCE`] are a collapse: an infinite number in finite time, which no event-driven run gets
+/// beyond without a rule for it.
 const COLLAPSE: usize = 400;
+/// Impacts that are no farther apart come at once, s.
 const AT_ONCE: f64 = 1e-9;
 
 /// Two numbers, across and down.
@@ -46,7 +47,7 @@ enum Event {
 #[derive(Debug, Clone)]
 pub(super) struct Reference<R> {
     size: Pair<R>,
-    /// Downward.
+    /// Straight down, px/s².
     gravity: R,
     walls: Option<R>,
     pairs: bool,
@@ -143,10 +144,12 @@ impl<R: Real> Reference<R> {
         Ok(())
     }
 
+    /// A body's acceleration, downward.
     fn pull(&self, body: &Body<R>) -> R {
         if body.rests { R::of(0.0) } else { self.gravity }
     }
 
+    /// Moves all on by so many seconds of free flight.
     fn fly(&mut self, wait: R) {
         let gravity = self.gravity;
         for body in &mut self.bodies {
@@ -161,13 +164,13 @@ impl<R: Real> Reference<R> {
     /// The earliest impact within so many seconds.
     fn next(&self, within: R) -> Option<(R, Event)> {
         let mut first: Option<(R, Event)> = None;
-        let mut end = within;
+        let earliest = |first: Option<(R, Event)>| first.map_or(within, |(wait, _)| wait);
+        // Takes an impact instead where it is earlier; the time after which none is any more.
         let mut offer = |wait: Option<R>, event: Event| {
-            if let Some(wait) = wait.filter(|&wait| wait < end) {
+            if let Some(wait) = wait.filter(|&wait| wait < earliest(first)) {
                 first = Some((wait, event));
-                end = wait;
             }
-            end
+            earliest(first)
         };
         let mut end = within;
         for (index, body) in self.bodies.iter().enumerate() {
@@ -264,8 +267,7 @@ impl<R: Real> Reference<R> {
         let e = if a.restitution < b.restitution { a.restitution } else { b.restitution };
         let scale = (R::of(1.0) + e) * approach / dot(distance, distance) / (a.mass + b.mass);
         for (axis, &along) in distance.iter().enumerate() {
-            let (first, second) = (&mut self.bodies[one].velocity[axis], a.velocity[axis]);
-            *first = second + scale * b.mass * along;
+            self.bodies[one].velocity[axis] = a.velocity[axis] + scale * b.mass * along;
             self.bodies[other].velocity[axis] = b.velocity[axis] - scale * a.mass * along;
         }
         for body in [one, other] {

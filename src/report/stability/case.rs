@@ -30,6 +30,11 @@ pub(super) enum Step {
     Resize(DVec2),
 }
 
+/// The simulated time of all these steps, s.
+pub(super) fn seconds(steps: &[Step]) -> f64 {
+    steps.iter().map(|step| if let Step::Advance(delta) = step { *delta } else { 0.0 }).sum()
+}
+
 /// A figure that must be small.
 pub(super) struct Criterion {
     pub(super) measure: Measure,
@@ -109,7 +114,7 @@ impl Case {
         Self { name, what: what.into(), setup: Box::new(setup), criteria: Vec::new() }
     }
 
-    /// With another criterion.
+    /// With another criterion: up to `held` it is met, above `failed` it is missed by far.
     pub(super) fn holds(mut self, measure: Measure, held: f64, failed: f64) -> Self {
         self.criteria.push(Criterion { measure, held, failed });
         self

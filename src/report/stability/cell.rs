@@ -4,12 +4,10 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::case::{Case, Criterion, Measure, Setup, Step};
+use super::case::{Case, Criterion, Measure, Setup, Step, seconds};
 use crate::report::document::{duration, rounded};
 use crate::simulation::grid::Grid;
-use crate::simulation::invariants::{
-    kinetic_energy, max_overlap, max_wall_overlap, momentum, non_finite, potential_energy,
-};
+use crate::simulation::invariants::{self, max_overlap, max_wall_overlap, momentum, non_finite};
 use crate::simulation::{Ball, Simulation, Solver, World};
 
 /// How a solver did.
@@ -117,9 +115,9 @@ pub(super) fn measure(case: &Case, solver: Solver, limit: Duration) -> Cell {
     judge(case, values, used.as_secs_f64(), asked)
 }
 
+/// The cell of a run that was given up after so much run time.
 fn late(simulation: &Simulation, steps: &[Step], used: Duration) -> Cell {
-    let all: f64 = steps.iter().map(|step| if let Step::Advance(delta) = step { *delta } else { 0.0 }).sum();
-    let used = used.as_secs_f64();
+    let (all, used) = (seconds(steps), used.as_secs_f64());
     let why = format!("came to {} s of {} s in {}", rounded(simulation.time()), rounded(all), duration(used));
     Cell { run_seconds: used, simulated: simulation.time(), ..Cell::failed(why) }
 }
@@ -152,6 +150,7 @@ fn judge(case: &Case, values: Vec<f64>, run_seconds: f64, simulated: f64) -> Cel
 /// Watches a run for what its criteria ask of it.
 struct Watch<'a> {
     case: &'a Case,
+    /// The balls at the start, their energy, their momentum, and the sum of the sizes of their momenta.
     start: Vec<Ball>,
     energy: f64,
     momentum: glam::DVec2,
@@ -168,7 +167,7 @@ fn free(balls: &[Ball]) -> impl Iterator<Item = &Ball> {
 }
 
 fn energy(simulation: &Simulation) -> f64 {
-    kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
+    invariants::energy(simulation.world(), simulation.balls())
 }
 
 impl<'a> Watch<'a> {
@@ -237,8 +236,7 @@ impl<'a> Watch<'a> {
 
     fn against_even_frames(&self, world: &World, simulation: &Simulation, steps: &[Step]) -> f64 {
         let Ok(mut even) = Simulation::new(*world, self.start.clone(), self.solver) else { return f64::NAN };
-        let seconds: f64 =
-            steps.iter().map(|step| if let Step::Advance(delta) = step { *delta } else { 0.0 }).sum();
+        let seconds = seconds(steps);
         let whole = (60.0 * seconds).floor();
         let deltas =
             std::iter::repeat_n(1.0 / 60.0, whole as usize).chain([(seconds - whole / 60.0).max(0.0)]);

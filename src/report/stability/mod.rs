@@ -1,9 +1,9 @@
 //! Stiff and extreme cases: what each solver makes of them.
 //!
 //! A case says what it starts from, how time is cut, and what must hold, each criterion with the figure up to which it
-//! holds and the one from which it has failed. A cell of the table is one case with one solver, run in a process of its own
-//! where the program is known: what never returns, takes all memory or aborts is a figure of the table, too, and not the
-//! end of the report.
+//! holds and the one from which it has failed. A cell of the table is one case with one solver, run in a process of its
+//! own where the program is known: what never returns, takes all memory or aborts is a figure of the table, too, and
+//! not the end of the report.
 
 mod case;
 mod cases;
@@ -74,7 +74,8 @@ pub(super) fn section(only: Option<&str>, program: Option<&Path>, context: &mut 
     let mut table = Table::new(&header);
     let mut csv =
         Csv::new("case,solver,verdict,why,criterion,value,held_to,failed_from,run_seconds,simulated_seconds");
-    let mut counts = [[0_usize; 3]; 3];
+    // Of each solver, its verdicts.
+    let mut counts = [[0_usize; 3]; Solver::ALL.len()];
     for case in chosen(only) {
         let mut cells = vec![format!("`{}`: {}", case.name, case.what), case.criteria_text()];
         for (column, &solver) in Solver::ALL.iter().enumerate() {
@@ -181,7 +182,8 @@ mod tests {
     /// rest.
     const EXACT_MISSES: &[&str] = &["shrinking-window"];
 
-    /// Crowds under gravity in which all energy is taken or all is kept, strong gravity, and what is on the edge of its numbers.
+    /// Crowds under gravity in which all energy is taken or all is kept, strong gravity, and what is on the edge of its
+    /// numbers.
     const CONTACT_MISSES: &[&str] = &[
         "three-at-once",
         "graze-hit",

@@ -16,7 +16,7 @@ use crate::simulation::{Ball, Pairs, World};
 
 /// A frame, s.
 const FRAME: f64 = 1.0 / 60.0;
-/// px/s².
+/// The demo's gravity, px/s².
 const GRAVITY: f64 = 980.0;
 
 /// All of them, in the order of the table.
