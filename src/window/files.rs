@@ -7,9 +7,10 @@ use super::problem::SaveError;
 use crate::headless::Unfinished;
 
 /// The most characters of a scene's name in a file's: file systems take names of 255 bytes.
-const NAME_MOST: usize = 48;
+const LONGEST_NAME: usize = 48;
 
-/// A file being written. It stands in a temporary one until [`finish`](Self::finish); dropped before, it leaves nothing.
+/// A file being written. It stands in a temporary one until [`finish`](Self::finish); dropped before, it leaves
+/// nothing.
 pub(super) struct NewFile {
     file: BufWriter<Unfinished>,
     folder: PathBuf,
@@ -20,7 +21,7 @@ pub(super) struct NewFile {
 impl NewFile {
     /// Begins a file in `folder` (empty for the current one) that will be called `carom-<scene>-<number>.<ending>`.
     pub(super) fn create(folder: &Path, scene: &str, ending: &'static str) -> Result<Self, SaveError> {
-        let scene: String = scene.chars().take(NAME_MOST).collect();
+        let scene: String = scene.chars().take(LONGEST_NAME).collect();
         let stem = format!("carom-{}", scene.replace(['/', '\\'], "-"));
         let folder = folder.to_owned();
         match Unfinished::in_folder(&folder) {
@@ -137,7 +138,7 @@ mod tests {
     fn names_of_scenes_that_are_long_or_paths_still_make_a_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = save(folder.path(), &"é".repeat(300));
-        assert_eq!(path, folder.path().join(format!("carom-{}-1.png", "é".repeat(NAME_MOST))));
+        assert_eq!(path, folder.path().join(format!("carom-{}-1.png", "é".repeat(LONGEST_NAME))));
         assert_eq!(save(folder.path(), "../mine"), folder.path().join("carom-..-mine-1.png"));
     }
 

@@ -56,8 +56,8 @@ impl Hands {
         Self { pointer: None, radius: CLICK_RADIUS, grip: Grip::Nothing }
     }
 
-    /// The pointer is here, px of the world. Whether it was moved here: not where it has just come into the window, or
-    /// the window under it.
+    /// Takes note that the pointer is here, px of the world, and tells whether it was moved here: not where it has just
+    /// come into the window, or the window under it.
     pub(super) fn point_at(&mut self, pointer: DVec2) -> bool {
         self.pointer.replace(pointer).is_some_and(|before| before != pointer)
     }
@@ -102,8 +102,8 @@ impl Hands {
         }
     }
 
-    /// What the hand does to the ball that it holds before a frame: pulls it along, or, while time stands still, puts it
-    /// elsewhere.
+    /// What the hand does to the ball that it holds before a frame: pulls it along, or, while time stands still, puts
+    /// it elsewhere.
     pub(super) fn hold(&mut self, session: &Session) -> Option<Change> {
         let (Grip::Ball { index, offset, put }, Some(pointer)) = (&mut self.grip, self.pointer) else {
             return None;

@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 const STANDS: Duration = Duration::from_secs(3);
 /// How long the hint at the start does.
 const HINT_STANDS: Duration = Duration::from_secs(5);
-/// How long it takes to fade, and in how many steps.
+/// How long a message takes to fade ...
 const FADES: Duration = Duration::from_millis(480);
+/// ... in so many steps.
 const STEPS: u32 = 8;
 /// What beginners need to know.
 const HINT: &str = "H: all keys";
@@ -35,7 +36,9 @@ pub(super) struct Message {
 pub(super) struct Messages {
     /// Whether nothing is to be said over the picture.
     quiet: bool,
+    /// What was said over the picture last, and when.
     last: Option<(String, Tone, Instant)>,
+    /// What was said in the title bar last, and when.
     title: Option<(String, Instant)>,
     /// Since when the hint has stood.
     hint: Option<Instant>,
@@ -75,7 +78,7 @@ impl Messages {
         (now.saturating_duration_since(*since) < STANDS).then_some(text)
     }
 
-    /// When the next thing about it changes.
+    /// When something about what is said changes next by itself.
     pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
         let fades =
             |since: Instant, stands| (0..=STEPS).map(move |step| since + stands + FADES * step / STEPS);

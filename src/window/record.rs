@@ -1,11 +1,11 @@
 //! V: what is painted, as an animated GIF that is encoded in a thread of its own.
 //!
-//! The window copies a frame and goes on. Pictures go round: the window fills one and sends it, and gets it back when its
-//! frame is encoded; where all are on their way, the frame is left out and counted. Frames carry the time that the window
-//! measures, so a window that stands still, and paints nothing, costs nothing and is seen to stand still.
+//! The window copies a frame and goes on. Pictures go round: the window fills one and sends it, and gets it back when
+//! its frame is encoded; where all are on their way, the frame is left out and counted. Frames carry the time that the
+//! window measures, so a window that stands still, and paints nothing, costs nothing and is seen to stand still.
 //!
-//! A GIF has one size. Where the window takes another, the recording ends: what is cut off, or framed in black, is not what
-//! was seen.
+//! A GIF has one size. Where the window takes another, the recording ends: what is cut off, or framed in black, is not
+//! what was seen.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -20,11 +20,12 @@ use super::problem::SaveError;
 use crate::paint::animation::is_too_soon;
 use crate::paint::{Animation, AnimationError};
 
-/// The memory that pictures on their way may take, bytes, and how many there are in it.
+/// The memory that pictures on their way may take, bytes ...
 const PICTURES_BYTES: usize = 64 << 20;
-const PICTURES_LEAST: usize = 2;
-const PICTURES_MOST: usize = 8;
-/// After how long to come again with a frame that was not added: that of a frame of a GIF.
+/// ... but there are at least, and at most, so many of them.
+const FEWEST_PICTURES: usize = 2;
+const MOST_PICTURES: usize = 8;
+/// After how long to come again with a frame that was not added: the shortest frame of a GIF.
 const AGAIN: Duration = Duration::from_millis(20);
 
 /// A recording. It ends with [`stop`](Self::stop), with another size of the window, or where it cannot be written; then
@@ -40,11 +41,13 @@ pub(super) struct Recorder {
     start: Instant,
     /// How many pictures there are, on their way or spare.
     pictures: usize,
-    /// When the last frame was sent, s from the start; then when the recording ended.
+    /// When the last frame was sent, s from the start; once the recording has ended, when that was.
     last: f64,
-    /// Whether the last frame found no picture, and how many did before.
+    /// Whether the last frame found no picture and may come again.
     late: bool,
+    /// How many frames before it found none.
     left_out: u64,
+    /// Whether the recording ended because the window took another size.
     resized: bool,
 }
 
@@ -95,9 +98,9 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// Adds a frame that was painted now, unless it comes sooner after the one before than a GIF may have it, or than that
-    /// can be encoded. Then this tells when to [come again](Self::add_again) with it, should nothing else be painted until
-    /// then: a window that stands still shows its last frame, and so must the recording.
+    /// Adds a frame that was painted now, unless it comes sooner after the one before than a GIF may have it, or than
+    /// that can be encoded. Then this tells when to [come again](Self::add_again) with it, should nothing else be
+    /// painted until then: a window that stands still shows its last frame, and so must the recording.
     pub(super) fn add(&mut self, painted: PixmapRef<'_>, now: Instant) -> Option<Instant> {
         // The one before that could not be encoded in time now never is.
         self.left_out += u64::from(std::mem::take(&mut self.late));
@@ -137,8 +140,8 @@ impl Recorder {
         Some(self.outcome(thread))
     }
 
-    /// Ends the recording and waits until its file is finished, for a window that closes; `None` where what became of it
-    /// was told before.
+    /// Ends the recording and waits until its file is finished, for a window that closes; `None` where what became of
+    /// it was told before.
     pub(super) fn finish(mut self, now: Instant) -> Option<Result<Recorded, SaveError>> {
         self.stop(now);
         let thread = self.thread.take()?;
@@ -209,7 +212,7 @@ impl fmt::Display for Recorded {
 
 /// How many pictures of this size may be on their way.
 fn most_pictures((width, height): (u32, u32)) -> usize {
-    (PICTURES_BYTES / (4 * width as usize * height as usize)).clamp(PICTURES_LEAST, PICTURES_MOST)
+    (PICTURES_BYTES / (4 * width as usize * height as usize)).clamp(FEWEST_PICTURES, MOST_PICTURES)
 }
 
 /// Encodes frames until the recording ends.
@@ -322,7 +325,7 @@ mod tests {
         }
         let recorded = recorder.finish(setting.at(10_000)).unwrap().unwrap();
         assert_eq!(setting.seen().len() as u64 + recorded.left_out, 500);
-        assert!(setting.seen().len() >= PICTURES_MOST, "as many as there are pictures for find their way");
+        assert!(setting.seen().len() >= MOST_PICTURES, "as many as there are pictures for find their way");
     }
 
     #[test]
@@ -343,7 +346,7 @@ mod tests {
         let setting = Setting::new();
         let mut recorder = setting.record();
         // As many as there may be, and none of them comes back.
-        (recorder.pictures, recorder.spare) = (PICTURES_MOST, mpsc::channel().1);
+        (recorder.pictures, recorder.spare) = (MOST_PICTURES, mpsc::channel().1);
         assert!(recorder.add(picture(1).as_ref(), setting.at(100)).is_some());
         assert!(recorder.add_again(picture(1).as_ref(), setting.at(120)).is_some());
         assert!(recorder.add(picture(2).as_ref(), setting.at(140)).is_some());
@@ -399,9 +402,9 @@ mod tests {
 
     #[test]
     fn pictures_on_their_way_take_64_mebibytes_or_two_pictures() {
-        assert_eq!(most_pictures((1, 1)), PICTURES_MOST);
-        assert_eq!(most_pictures((1280, 720)), PICTURES_MOST);
+        assert_eq!(most_pictures((1, 1)), MOST_PICTURES);
+        assert_eq!(most_pictures((1280, 720)), MOST_PICTURES);
         assert_eq!(most_pictures((2560, 1440)), 4);
-        assert_eq!(most_pictures((7680, 4320)), PICTURES_LEAST);
+        assert_eq!(most_pictures((7680, 4320)), FEWEST_PICTURES);
     }
 }

@@ -17,7 +17,7 @@ pub(super) enum Outcome {
     Lost,
     /// There is no memory for the next texture.
     OutOfMemory,
-    /// The graphics library told of an error, or that the device is gone, or there is no device since the last.
+    /// The graphics library told of an error, or that the device is gone; or there has been no device since that.
     DeviceFailed,
 }
 

@@ -110,16 +110,16 @@ impl Screen {
         Some((pixmap, std::mem::replace(&mut self.kept, true)))
     }
 
-    /// Shows what was painted. A surface or a device that has failed costs a few pictures: what has failed is made anew,
-    /// and the picture is to be painted and presented again.
+    /// Shows what was painted. A surface or a device that has failed costs a few pictures: what has failed is made
+    /// anew, and the picture is to be painted and presented again.
     pub(super) fn present(&mut self) -> Result<Presented, WindowError> {
         let start = Instant::now();
         let mut uploaded = start;
         let rendered = self.pixels.as_ref().map(|pixels| {
             pixels.render_with(|_, target, context| {
                 uploaded = Instant::now();
-                // Submitted here and not behind: presenting on a device that was lost as this was submitted would be the
-                // end, in the graphics library. An error leaves the picture out instead.
+                // Submitted here and not behind: presenting on a device that was lost as this was submitted would be
+                // the end, in the graphics library. An error leaves the picture out instead.
                 let descriptor = CommandEncoderDescriptor { label: Some("carom") };
                 let mut encoder = context.device.create_command_encoder(&descriptor);
                 context.scaling_renderer.render(&mut encoder, target);
@@ -127,7 +127,8 @@ impl Screen {
                 if self.device_failed.load(Ordering::Relaxed) {
                     return Err("the device has failed".into());
                 }
-                // Only here is it certain that something will be presented: Wayland holds back the next frame until then.
+                // Only here is it certain that something will be presented: Wayland holds back the next frame until
+                // then.
                 self.window.pre_present_notify();
                 Ok(())
             })

@@ -10,6 +10,7 @@ pub(super) struct Timings {
     own: Spread,
 }
 
+/// The names of a frame's parts.
 const PARTS: [&str; 4] = ["advance", "paint", "upload", "present"];
 
 impl Timings {
@@ -40,16 +41,17 @@ impl fmt::Display for Timings {
     }
 }
 
-/// How often times came, in steps of a sixteenth of a doubling (4 %), and the longest: as much memory for days of
-/// frames as for one.
+/// How often times came, in steps of a sixteenth of a doubling (4 %), and the longest: a histogram that takes as much
+/// memory for days of frames as for one.
 #[derive(Debug)]
 struct Spread {
     counts: [u64; STEPS],
     longest: Duration,
 }
 
+/// Steps in all: 32 doublings.
 const STEPS: usize = 16 * 32;
-/// The shortest time that is told from shorter ones; with so many steps, the longest is more than an hour.
+/// The shortest time that is told from shorter ones, s; with so many steps, the longest is more than an hour.
 const SHORTEST: f64 = 1e-6;
 
 impl Default for Spread {

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::keys::Action;
 use crate::session::{Change, Command};
 
-/// The most that may wait: more than anybody types, and a key that a cat lies on is let go before.
+/// The most that may wait: more than anybody types.
 const MOST: usize = 1 << 14;
 
 /// Actions that wait for their turn, in order.
@@ -15,8 +15,8 @@ pub(super) struct Waiting {
 }
 
 impl Waiting {
-    /// Lets an action wait; whether there is room for it. What begins a scene makes it pointless to add balls before, so
-    /// those that wait to be added or taken away are forgotten.
+    /// Lets an action wait, and tells whether there is room for it. Where it begins a scene, it is pointless to add
+    /// balls before: those that wait to be added or taken away are forgotten.
     pub(super) fn push(&mut self, action: Action) -> bool {
         let begins = matches!(
             action,

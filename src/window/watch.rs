@@ -1,10 +1,10 @@
 //! Whether a scene file was saved: what `--watch` asks.
 //!
-//! The file's modification time and length are looked at four times a second. Where they differ from those before, something
-//! is going on: an editor may write in pieces, or delete the file, or put another in its place. Only when they have stayed the
-//! same from one look to the next is the file read, and only text that is new is told. Clocks of file systems tick slowly, so
-//! a file that was read just now may be written once more, as long as before, without a trace in its times: for two seconds
-//! it is read again.
+//! The file's modification time and length are looked at four times a second. Where they differ from those before,
+//! something is going on: an editor may write in pieces, or delete the file, or put another in its place. Only when
+//! they have stayed the same from one look to the next is the file read, and only text that is new is told. Clocks of
+//! file systems tick slowly, so a file that was read just now may be written once more, as long as before, without a
+//! trace in its times: for two seconds it is read again.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -62,8 +62,8 @@ impl Watch {
         self.next
     }
 
-    /// The scene, if the file was saved since it was told last and has stood still since; or what is wrong with it, once.
-    /// A file that is away, or empty, as it is while some editors save, says nothing until it is back.
+    /// The scene, if the file was saved since it was told last and has stood still since; or what is wrong with it,
+    /// once. A file that is away, or empty, as it is while some editors save, says nothing until it is back.
     pub(super) fn poll(&mut self, now: Instant) -> Option<Result<Scene, SceneError>> {
         if now < self.next {
             return None;

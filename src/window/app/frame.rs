@@ -12,9 +12,9 @@ use crate::session::CommandError;
 
 /// How long to wait before looking whether a window that could not be seen can.
 const LOOK_AGAIN: Duration = Duration::from_millis(250);
-/// The longest that a frame simulates, in time of the wall's clock: with the time that painting takes, thirty frames a
-/// second or so remain. Where more happens than can be computed in it, time runs slower and the window still answers.
-const ADVANCE_MOST: Duration = Duration::from_millis(25);
+/// The longest that a frame simulates, in wall-clock time: with the time that painting takes, thirty frames a second or
+/// so remain. Where more happens than can be computed in it, time runs slower and the window still answers.
+const LONGEST_ADVANCE: Duration = Duration::from_millis(25);
 /// How long to wait for the next frame where this one was not presented, which would have waited for the screen.
 const STILL: Duration = Duration::from_micros(16_667);
 
@@ -109,7 +109,7 @@ impl App {
                 Ok(())
             }
         })?;
-        let mut go_on = || now.elapsed() < ADVANCE_MOST;
+        let mut go_on = || now.elapsed() < LONGEST_ADVANCE;
         if let Err(error) = self.session.work_while(&mut go_on) {
             self.complain(error.to_string());
         }
@@ -135,8 +135,8 @@ impl App {
         Ok(measured)
     }
 
-    /// After a frame that began at `start` and looked as the one before: asks for the next, where time runs, and says
-    /// nothing of how many there are.
+    /// After a frame that began at `start` and looked as the one before: asks for the next where time runs, and tells
+    /// no frame rate.
     fn stand_still(&mut self, start: Instant) {
         self.next_frame = self.is_moving().then_some(start + STILL);
         self.rate = FrameRate::default();
@@ -146,6 +146,7 @@ impl App {
     }
 }
 
+/// The world that a window of this size shows, px.
 fn world_size(size: PhysicalSize<u32>, scale_factor: f64) -> DVec2 {
     let size = size.to_logical(scale_factor);
     DVec2::new(size.width, size.height)

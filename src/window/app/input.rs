@@ -21,13 +21,13 @@ use crate::session::{Change, Command};
 
 /// How long it is shown where gravity pulls, once it has changed.
 const GRAVITY_SHOWN: Duration = Duration::from_secs(3);
-/// For so long, in time of the wall's clock, what keys ask for is done before the next frame; more waits for the one after.
-const ACT_MOST: Duration = Duration::from_millis(25);
+/// For so long, in wall-clock time, what keys ask for is done before the next frame; more waits for the one after.
+const LONGEST_ACT: Duration = Duration::from_millis(25);
 /// Pixels of a smooth wheel that count as one notch.
 const NOTCH: f64 = 40.0;
 
 impl App {
-    /// What keys and buttons are held, nobody tells any more.
+    /// From now on nobody tells which keys and buttons are held.
     pub(super) fn lose_focus(&mut self) {
         self.modifiers = ModifiersState::empty();
         self.rewinding = false;
@@ -64,16 +64,16 @@ impl App {
     /// Does what waits, as far as there is time.
     pub(super) fn catch_up(&mut self) {
         let start = Instant::now();
-        while !self.session.is_working() && start.elapsed() < ACT_MOST {
+        while !self.session.is_working() && start.elapsed() < LONGEST_ACT {
             let Some(action) = self.waiting.pop() else { return };
             self.act(action);
         }
     }
 
-    /// Whether something may be done at once: the turn of the event loop has not taken long yet, and nothing is still to
-    /// be done before.
+    /// Whether something may be done at once: this turn of the event loop has not taken long yet, and the session is
+    /// not busy.
     fn has_time(&self) -> bool {
-        !self.session.is_working() && self.turn.own(Instant::now()) < ACT_MOST
+        !self.session.is_working() && self.turn.own(Instant::now()) < LONGEST_ACT
     }
 
     /// Leaves what is under way, what lies over the picture, or the program.
@@ -135,7 +135,7 @@ impl App {
         self.stop_clock();
     }
 
-    /// Goes through the list of scenes; whether the key does anything there. Those that do not, do what they always do.
+    /// Goes through the list of scenes, and tells whether the key is for it; others do what they always do.
     pub(super) fn browse(&mut self, key: &Key) -> bool {
         let Some(browser) = &mut self.browser else { return false };
         match key {
@@ -163,7 +163,7 @@ impl App {
     pub(super) fn apply(&mut self, command: Command) {
         let was_paused = self.session.is_paused();
         let start = Instant::now();
-        if let Err(error) = self.session.apply_while(command, || start.elapsed() < ACT_MOST) {
+        if let Err(error) = self.session.apply_while(command, || start.elapsed() < LONGEST_ACT) {
             self.complain(error.to_string());
         } else if let Some(text) = words::done(command, &self.session) {
             if matches!(command, Command::Change(Change::ToggleGravity | Change::TiltGravity(_))) {
@@ -248,9 +248,9 @@ impl App {
     pub(super) fn point_at(&mut self, position: PhysicalPosition<f64>) {
         let Some((window, _)) = &self.screen else { return };
         // Also where the list of scenes is not open yet: a click there may come without a move.
-        self.browsed = DVec2::new(position.x, position.y);
+        self.pointer = DVec2::new(position.x, position.y);
         if let Some(browser) = &mut self.browser {
-            browser.point_at(self.browsed);
+            browser.point_at(self.pointer);
             return self.request_redraw();
         }
         let position = position.to_logical(window.scale_factor());
@@ -262,7 +262,7 @@ impl App {
 
     pub(super) fn press(&mut self, button: MouseButton, state: ElementState) {
         if let Some(browser) = &mut self.browser {
-            let at = self.browsed;
+            let at = self.pointer;
             if (button, state) == (MouseButton::Left, ElementState::Pressed) && browser.select_at(at) {
                 self.open_selected();
             }

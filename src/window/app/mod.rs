@@ -53,7 +53,7 @@ pub(super) struct App {
     rate: FrameRate,
     frames_per_second: Option<f64>,
     timings: Option<Timings>,
-    /// What the event loop has woken for.
+    /// The turn of the event loop, since it woke.
     turn: Turn,
     /// What keys asked for that there was no time for yet.
     waiting: Waiting,
@@ -64,9 +64,10 @@ pub(super) struct App {
     /// Whether time runs back for as long as a key is held.
     rewinding: bool,
     help: bool,
-    /// The list of scenes, while it is open, and where the pointer is, in pixels.
+    /// The list of scenes, while it is open.
     browser: Option<Browser>,
-    browsed: DVec2,
+    /// Where the pointer is, in pixels.
+    pointer: DVec2,
     /// Where balls went, while that is shown, and the simulated time that was painted last.
     trails: Option<Trails>,
     time: f64,
@@ -81,9 +82,9 @@ pub(super) struct App {
     watch: Option<Watch>,
     recorder: Option<Recorder>,
     recording_since: Instant,
-    /// When to look what became of it.
+    /// When to look what became of the recording.
     recorder_looks: Option<Instant>,
-    /// When to come again with a frame that it could not take.
+    /// When to come again with a frame that the recorder could not take.
     recorder_again: Option<Instant>,
     /// Whether other windows cover this one.
     occluded: bool,
@@ -222,7 +223,7 @@ impl App {
             rewinding: false,
             help: false,
             browser: None,
-            browsed: DVec2::ZERO,
+            pointer: DVec2::ZERO,
             trails: None,
             time: 0.0,
             gauge: None,
@@ -245,8 +246,8 @@ impl App {
         }
     }
 
-    /// Finishes what is under way: where the frames' time went, if that was asked for, and what went wrong, if anything
-    /// did.
+    /// Finishes what is under way, and tells where the frames' time went, if that was asked for, and what went wrong,
+    /// if anything did.
     pub(super) fn end(mut self) -> (Option<Timings>, Option<WindowError>) {
         // Nothing is shown any more.
         self.screen = None;

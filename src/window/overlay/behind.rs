@@ -9,8 +9,9 @@ use crate::simulation::Solver;
 use super::TEXT_SIZE;
 use super::sheet::{AMBER, INK, extent, rectangle, sheet};
 
-/// How high that edge is, below the strip, and how wide the margin around the warning, in text sizes.
+/// The height of the amber line below the strip, in text sizes.
 const EDGE: f64 = 0.15;
+/// The margin around the warning, in text sizes.
 const MARGIN: f64 = 0.7;
 /// The warning's lines break at the window's edge, but into no fewer characters than this: from there the text shrinks.
 const LINE_CHARACTERS: usize = 24;

@@ -15,21 +15,22 @@ use super::sheet::{INK, QUIET, Rounded, extent};
 
 /// The true places: lighter than a ball, and warm where it is cold.
 const TRUE: Colour = Colour(0xff, 0xd0, 0x6a);
-/// Widths of rings and of the lines to them, px of the world.
+/// The width of rings and of the lines to them, px of the world.
 const RING: f64 = 1.5;
 /// A ball that is nearer to its true place than this, px of the picture, has no line to it.
 const VISIBLE: f64 = 1.0;
-/// Width and height of the plot, px, and its distance from the picture's corner.
+/// Width and height of the plot, px.
 const PLOT: DVec2 = DVec2::new(300.0, 190.0);
+/// The plot's distance from the picture's edges, px.
 const MARGIN: f64 = 10.0;
-/// In a picture less than so many times as wide and as high, the plot shrinks.
+/// In a picture less than so many times as wide and as high as the plot, the plot shrinks.
 const PLOT_PART: DVec2 = DVec2::new(2.0, 2.2);
 /// The decades of the error that are shown at least, px: from rounding to the size of a window.
 const DECADES: (i32, i32) = (-12, 3);
-/// Every so many decades, one has a label.
+/// One in so many decades has a label.
 const LABELLED: i32 = 3;
 /// The plot begins with this simulated time, s, and doubles it when it is full.
-const SPAN_LEAST: f64 = 4.0;
+const LEAST_SPAN: f64 = 4.0;
 
 /// Balls, where the exact solver has them, and how far they were from there.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,7 +136,7 @@ impl Axes {
 
 /// The time that the plot shows, s: doubled until the present fits.
 fn span(now: f64) -> f64 {
-    let mut span = SPAN_LEAST;
+    let mut span = LEAST_SPAN;
     while span < now && span < 1e9 {
         span *= 2.0;
     }

@@ -8,13 +8,14 @@ use crate::paint::{BALL, Colour, fill_disc};
 
 use super::sheet::{AMBER, INK};
 
-/// Widths of lines, px of the world.
+/// The widths of lines and of thin ones, px of the world.
 const LINE: f64 = 2.0;
 const THIN: f64 = 1.5;
 /// How far a ring lies outside of its ball, px.
 const APART: f64 = 3.0;
-/// The two strokes of an arrow's head: their length, px, and their direction beside its line's.
+/// The length of the two strokes of an arrow's head, px.
 const HEAD: f64 = 10.0;
+/// The cosine and the sine of the angle between them and the arrow's line: 30°.
 const HEAD_TURN: DVec2 = DVec2::new(0.866, 0.5);
 
 /// What is shown of the hand; lengths and places in px of the world.

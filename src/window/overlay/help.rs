@@ -12,11 +12,12 @@ use super::sheet::{INK, QUIET, Rounded, extent};
 
 /// Between the two columns of the help, and around them, in text sizes.
 const GAP: f64 = 2.2;
-/// Columns are this wide: keys, and what they do, in characters.
+/// The characters of a column: of its keys, and of what they do.
 const KEY_CHARACTERS: usize = 14;
 const DOES_CHARACTERS: usize = 26;
-/// Lines above a group's name where another stands over it, and of the title.
+/// Lines between two groups.
 const APART: f64 = 0.7;
+/// Lines of the title.
 const TITLE: f64 = 1.6;
 
 /// Paints the sheet that lists every key, in two columns in the middle of the picture.

@@ -1,4 +1,5 @@
-//! What is said over the picture: messages, how far back in time one is, that a recording runs, and where gravity pulls.
+//! What is said over the picture: messages, how far back in time one is, that a recording runs, and where gravity
+//! pulls.
 
 use glam::DVec2;
 use tiny_skia::PixmapMut;
@@ -17,20 +18,24 @@ const MARGIN: f64 = 16.0;
 /// Around a note's text, in text sizes.
 const PADDING: DVec2 = DVec2::new(0.9, 0.35);
 /// The most characters of a line.
-const LINE_MOST: usize = 76;
-/// Of what is being recorded.
+const LONGEST_LINE: usize = 76;
+/// The dot that tells of a recording.
 const RED: Colour = Colour(0xf0, 0x3c, 0x3c);
 /// The circle in which gravity's arrow stands: its radius, px.
 const DIAL: f64 = 36.0;
-/// The gravity at which the arrow begins to grow, px/s², and by how much of the dial it does with each tenfold.
-const GRAVITY_LEAST: f64 = 10.0;
+/// The gravity from which on the arrow grows, px/s² ...
+const LEAST_GRAVITY: f64 = 10.0;
+/// ... by this part of the dial with each tenfold.
 const GRAVITY_STEP: f64 = 0.3;
 
 /// Where on the picture a note stands.
 enum Place {
     Below,
     BelowRight,
-    Above { top: f64 },
+    /// At the upper edge, `top` px lower.
+    Above {
+        top: f64,
+    },
 }
 
 /// Lines on a sheet.
@@ -78,7 +83,7 @@ impl Note<'_> {
 /// Paints a message at the lower edge.
 pub(super) fn message(pixmap: &mut PixmapMut<'_>, message: &Message, scale: f64) {
     let room = (extent(pixmap).x - 2.0 * MARGIN * scale) / width("m", TEXT_SIZE * scale);
-    let most = (room - 2.0 * PADDING.x).clamp(12.0, LINE_MOST as f64) as usize;
+    let most = (room - 2.0 * PADDING.x).clamp(12.0, LONGEST_LINE as f64) as usize;
     let paragraphs: Vec<&str> = message.text.lines().collect();
     let edge = (message.tone == Tone::Wrong).then_some(AMBER);
     let lines = wrap(&paragraphs, most);
@@ -109,7 +114,7 @@ pub(super) fn gravity(pixmap: &mut PixmapMut<'_>, gravity: DVec2, scale: f64) {
     let Some(direction) = gravity.try_normalize() else {
         return fill_disc(pixmap, centre, 3.0 * scale, INK);
     };
-    let length = (0.2 + GRAVITY_STEP * (strength / GRAVITY_LEAST).log10()).clamp(0.2, 0.85);
+    let length = (0.2 + GRAVITY_STEP * (strength / LEAST_GRAVITY).log10()).clamp(0.2, 0.85);
     let pen = Pen { colour: INK, opacity: 1.0, width: 2.5 * scale };
     let half = direction * length * radius;
     arrow(pixmap, pen, centre - half, centre + half, 9.0 * scale);

@@ -33,6 +33,7 @@ pub(super) fn sheet(pixmap: &mut PixmapMut<'_>, corner: DVec2, extent: DVec2) {
     rectangle(pixmap, corner, extent, faded(SHEET, SHEET_OPACITY));
 }
 
+/// Fills a rectangle of `extent` px from its upper left `corner` on.
 pub(super) fn rectangle(pixmap: &mut PixmapMut<'_>, corner: DVec2, extent: DVec2, colour: impl Into<Color>) {
     let rect = Rect::from_xywh(corner.x as f32, corner.y as f32, extent.x as f32, extent.y as f32);
     if let Some(rect) = rect {
@@ -44,7 +45,7 @@ pub(super) fn rectangle(pixmap: &mut PixmapMut<'_>, corner: DVec2, extent: DVec2
 pub(super) struct Rounded {
     pub(super) corner: DVec2,
     pub(super) extent: DVec2,
-    /// Of the corners, px.
+    /// The radius of the corners, px.
     pub(super) radius: f64,
 }
 
@@ -69,7 +70,7 @@ impl Rounded {
     }
 
     fn path(&self) -> Option<tiny_skia::Path> {
-        /// Of a quarter circle's control points from its ends, for a cubic.
+        /// How far from its ends to the corner a cubic has its control points that is nearly a quarter circle.
         const CONTROL: f64 = 0.552_285;
         let half = self.extent / 2.0;
         let radius = self.radius.min(half.min_element());
@@ -102,6 +103,7 @@ impl Rounded {
     }
 }
 
+/// An antialiased paint of one colour.
 pub(super) fn solid(colour: impl Into<Color>) -> Paint<'static> {
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
     paint.set_color(colour.into());

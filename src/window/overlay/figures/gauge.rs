@@ -9,7 +9,7 @@ use crate::simulation::{Simulation, Solver, Tally};
 
 use super::panel::{Panel, Room};
 
-/// How long numbers stand at least, s of the wall's clock: long enough to be read.
+/// How long numbers stand at least, s of wall-clock time: long enough to be read.
 const STAND: f64 = 0.25;
 /// The simulated time that the chart shows, s.
 pub(super) const SPAN: f64 = 10.0;
@@ -27,7 +27,7 @@ pub(in crate::window) struct Frame<'a> {
     pub(in crate::window) time_scale: f64,
     /// Whether time stands still. Every frame has its own figures then.
     pub(in crate::window) paused: bool,
-    /// The time since the frame before, s of the wall's clock; 0 where it is not known.
+    /// The time since the frame before, s of wall-clock time; 0 where it is not known.
     pub(in crate::window) measured: f64,
     /// The energy that the balls would have if no impact had taken any, mass·px²/s².
     pub(in crate::window) given: f64,
@@ -37,8 +37,8 @@ pub(in crate::window) struct Frame<'a> {
 
 /// Keeps of the frames that it is fed what their figures need.
 ///
-/// A quarter of a second of frames has one set of figures, so that one can read them. Each paused frame in which anything
-/// has changed has its own.
+/// A quarter of a second of frames has one set of figures, so that one can read them. Each paused frame in which
+/// anything has changed has its own.
 #[derive(Debug, Default)]
 pub(in crate::window) struct Gauge {
     /// What has come in since the figures were taken.
@@ -48,7 +48,7 @@ pub(in crate::window) struct Gauge {
     /// The last ten seconds, from the oldest.
     points: VecDeque<Point>,
     figures: Option<Figures>,
-    /// The panel as it was painted last, and for which room; none where its figures are not these any more.
+    /// The panel as it was painted last, and for which room; none where the figures have changed since.
     pub(super) painted: Option<(Room, Panel)>,
 }
 
@@ -143,6 +143,7 @@ impl Gauge {
         self.points.iter()
     }
 
+    /// Adds a point to the chart, in place of the last one where that is too near.
     fn note(&mut self, point: Point) {
         if !(point.kinetic + point.potential).is_finite() {
             return;
@@ -162,6 +163,7 @@ impl Gauge {
         }
     }
 
+    /// Takes the figures of a frame, whose energies are known.
     fn take(&mut self, frame: &Frame<'_>, Point { time, kinetic, potential }: Point) {
         let (simulation, sum) = (frame.simulation, std::mem::take(&mut self.sum));
         let (balls, solver) = (simulation.balls(), simulation.solver());
@@ -218,7 +220,7 @@ mod tests {
 
     use super::*;
 
-    /// A frame of a sixtieth of a second on the wall's clock.
+    /// A frame of a sixtieth of a second of wall-clock time.
     fn frame(simulation: &Simulation) -> Frame<'_> {
         Frame {
             scene: "test",

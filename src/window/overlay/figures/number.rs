@@ -5,8 +5,8 @@ pub(super) const WIDTH: usize = 11;
 /// What stands where there is no number.
 const NONE: &str = "–";
 
-/// A number with so many decimals, its digits in groups of three; with a power of ten where that would not fit or would show
-/// nothing but zeros.
+/// A number with so many decimals, its digits in groups of three; with a power of ten where that would not fit or would
+/// show nothing but zeros.
 pub(super) fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return NONE.to_owned();

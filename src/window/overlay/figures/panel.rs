@@ -16,13 +16,15 @@ use super::number::{WIDTH, number, perhaps};
 /// Size of the text, px.
 const TEXT_SIZE: f64 = 13.0;
 /// The text shrinks to this size, px, before the chart is left out.
-const TEXT_SIZE_LEAST: f64 = 10.5;
+const LEAST_TEXT_SIZE: f64 = 10.5;
 /// Characters of the columns of names and of units; between two columns there is one more.
 const NAME: usize = 10;
 const UNIT: usize = 4;
-/// Around the text, between two groups of rows, and the chart's height, in text sizes.
+/// The margin around the text, in text sizes.
 const PADDING: f64 = 1.0;
+/// The gap between two groups of rows, in text sizes.
 const GAP: f64 = 0.5;
+/// The chart's height, in text sizes.
 const CHART: f64 = 6.0;
 /// From the picture's corner, px.
 const MARGIN: f64 = 10.0;
@@ -71,7 +73,7 @@ impl Gauge {
     }
 }
 
-/// A row: what it says, and the colour of its name. A new group begins with it where there is no name.
+/// A row: what it says, and the colour of its name.
 struct Row {
     name: &'static str,
     value: String,
@@ -150,7 +152,7 @@ fn paint(gauge: &Gauge, Room { picture, scale }: Room) -> Option<Pixmap> {
     let groups = rows(figures);
     let room = picture - 2.0 * MARGIN * scale;
     let mut layout = Layout::new(&groups, true);
-    if layout.size(room) < TEXT_SIZE_LEAST * scale {
+    if layout.size(room) < LEAST_TEXT_SIZE * scale {
         layout = Layout::new(&groups, false);
     }
     let size = layout.size(room).min(TEXT_SIZE * scale);

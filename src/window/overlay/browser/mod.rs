@@ -1,38 +1,18 @@
 //! All scenes, as cards with small pictures, to choose one from.
+//!
+//! - `layout`: where the cards are;
+//! - `page`: how they are painted.
 
-use std::rc::Rc;
-use std::time::{Duration, Instant};
+mod layout;
+mod page;
 
 use glam::DVec2;
-use tiny_skia::{Pixmap, PixmapMut, PixmapPaint, Transform};
+use tiny_skia::Pixmap;
 
-use crate::paint::text::{BASELINE, LINE, shorten, text, width, wrap};
-use crate::paint::{BACKGROUND, BALL, Colour, paint};
 use crate::scene::{self, Scene};
-use crate::session::{STEP, Session};
 
-use super::TEXT_SIZE;
-use super::sheet::{INK, QUIET, Rounded};
-
-/// Behind the cards, and a card.
-const WALL: Colour = Colour(0x12, 0x12, 0x12);
-const CARD: Colour = Colour(0x1f, 0x1f, 0x1f);
-/// A card under the pointer.
-const POINTED: Colour = Colour(0x2b, 0x2b, 0x2b);
-/// The width of a card at most, and of a picture in it by its height.
-const CARD_MOST: f64 = 190.0;
-const ASPECT: f64 = 16.0 / 9.0;
-/// Around the cards, between two, and inside of one, px.
-const MARGIN: f64 = 24.0;
-const GAP: f64 = 14.0;
-const PADDING: f64 = 8.0;
-/// Of the text on a card, beside that on other sheets.
-const SMALL: f64 = 0.8;
-/// Lines of text on a card: its name, what it is about, how it is moved.
-const ABOUT_LINES: usize = 2;
-/// Scenes are shown after so much of their time, s, or as far as they come in so much of ours.
-const SHOWN_AT: f64 = 0.7;
-const PICTURE_MOST: Duration = Duration::from_millis(20);
+use layout::Layout;
+pub(in crate::window) use page::Page;
 
 /// Which way an arrow key goes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,87 +35,15 @@ struct Card {
 #[derive(Debug)]
 pub(in crate::window) struct Browser {
     cards: Vec<Card>,
-    /// The card of the scene that is played, the selected one, and the one under the pointer.
+    /// The card of the scene that is played.
     played: Option<usize>,
     selected: usize,
+    /// The card under the pointer.
     pointed: Option<usize>,
     /// The first row that is shown.
     row: usize,
     layout: Layout,
     painted: Option<Page>,
-}
-
-/// A list that has been painted; equal to another where it is the very same.
-#[derive(Debug, Clone)]
-pub(in crate::window) struct Page(Rc<Pixmap>);
-
-impl PartialEq for Page {
-    fn eq(&self, other: &Self) -> bool {
-        Rc::ptr_eq(&self.0, &other.0)
-    }
-}
-
-impl Page {
-    pub(super) fn paint(&self, pixmap: &mut PixmapMut<'_>) {
-        if (pixmap.width(), pixmap.height()) == (self.0.width(), self.0.height()) {
-            pixmap.data_mut().copy_from_slice(self.0.data());
-        }
-    }
-}
-
-/// Where the cards are, in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Layout {
-    extent: DVec2,
-    scale: f64,
-    columns: usize,
-    /// Whole rows that are seen at once; at least one.
-    rows: usize,
-    /// The first card's corner, a card's size, and that of its picture, which may have none.
-    start: DVec2,
-    card: DVec2,
-    picture: DVec2,
-    gap: f64,
-    size: f64,
-}
-
-impl Layout {
-    fn new(extent: DVec2, scale: f64) -> Self {
-        // What does not fit at its size is smaller.
-        let room = (extent - 2.0 * MARGIN * scale).max(DVec2::ONE);
-        let scale = scale.min(room.x / 150.0).min(room.y / 120.0);
-        let (gap, size) = (GAP * scale, SMALL * TEXT_SIZE * scale);
-        let columns = ((room.x + gap) / (CARD_MOST * scale + gap)).floor().max(1.0);
-        let across = ((room.x + gap) / columns - gap).min(CARD_MOST * 1.15 * scale);
-        let written = (2 + ABOUT_LINES) as f64 * LINE * size + 2.0 * PADDING * scale;
-        let head = 2.6 * TEXT_SIZE * scale;
-        let inside = across - 2.0 * PADDING * scale;
-        let mut picture = DVec2::new(inside, inside / ASPECT).round();
-        if picture.y + written > room.y - head {
-            picture = DVec2::ZERO;
-        }
-        let card = DVec2::new(across, written + picture.y);
-        let rows = ((room.y - head + gap) / (card.y + gap)).floor().max(1.0);
-        let used = columns * (across + gap) - gap;
-        let start = DVec2::new((extent.x - used) / 2.0, (extent.y - room.y) / 2.0 + head).round();
-        Self {
-            extent,
-            scale,
-            columns: columns as usize,
-            rows: rows as usize,
-            start,
-            card,
-            picture,
-            gap,
-            size,
-        }
-    }
-
-    /// The corner of the card in this place of those that are seen.
-    fn corner(&self, place: usize) -> DVec2 {
-        let cell = DVec2::new((place % self.columns) as f64, (place / self.columns) as f64);
-        (self.start + cell * (self.card + self.gap)).round()
-    }
 }
 
 impl Browser {
@@ -199,7 +107,7 @@ impl Browser {
         }
     }
 
-    /// Selects the card at this place, in pixels; whether there is one.
+    /// Selects the card at this place, in pixels, and tells whether there is one.
     pub(in crate::window) fn select_at(&mut self, place: DVec2) -> bool {
         let Some(index) = self.hit(place) else { return false };
         self.selected = index;
@@ -207,6 +115,7 @@ impl Browser {
         true
     }
 
+    /// The card at this place, in pixels.
     fn hit(&self, place: DVec2) -> Option<usize> {
         let inside = |&index: &usize| {
             let from = place - self.layout.corner(index - self.first());
@@ -226,11 +135,12 @@ impl Browser {
         first..(first + self.layout.rows * self.layout.columns).min(self.cards.len())
     }
 
-    /// The first row when the last one is seen.
+    /// The first row that is shown when the last one is seen.
     fn last_row(&self) -> usize {
         self.cards.len().div_ceil(self.layout.columns.max(1)).saturating_sub(self.layout.rows)
     }
 
+    /// Scrolls no farther than it takes to see the selected card.
     fn show_selected(&mut self) {
         let row = self.selected / self.layout.columns.max(1);
         let least = (row + 1).saturating_sub(self.layout.rows);
@@ -259,98 +169,9 @@ impl Browser {
         }
         let missing = layout.picture.min_element() >= 1.0 && missing.next().is_some();
         if self.painted.is_none() {
-            self.painted = self.paint().map(|pixmap| Page(Rc::new(pixmap)));
+            self.painted = Page::of(self);
         }
         (self.painted.clone(), missing)
-    }
-
-    fn paint(&self) -> Option<Pixmap> {
-        let Layout { extent, scale, .. } = self.layout;
-        let mut pixmap = Pixmap::new(extent.x as u32, extent.y as u32)?;
-        pixmap.fill(WALL.into());
-        let target = &mut pixmap.as_mut();
-        let size = TEXT_SIZE * scale;
-        let head = DVec2::new(self.layout.start.x, self.layout.start.y - 1.2 * size);
-        text(target, head, 1.2 * size, BALL, "Scenes");
-        let keys = "arrows, Enter: open · Esc: back";
-        let right = extent.x - self.layout.start.x - width(keys, SMALL * size);
-        if right > head.x + width("Scenes", 1.2 * size) + size {
-            text(target, DVec2::new(right, head.y), SMALL * size, QUIET, keys);
-        }
-        for index in self.seen() {
-            self.paint_card(target, index);
-        }
-        Some(pixmap)
-    }
-
-    fn paint_card(&self, target: &mut PixmapMut<'_>, index: usize) {
-        let Layout { scale, card: extent, picture, size, .. } = self.layout;
-        let (card, corner) = (&self.cards[index], self.layout.corner(index - self.first()));
-        let sheet = Rounded { corner, extent, radius: 6.0 * scale };
-        sheet.fill(target, if self.pointed == Some(index) { POINTED } else { CARD });
-        if index == self.selected {
-            sheet.edge(target, 2.0 * scale, BALL);
-        }
-        let inside = corner + PADDING * scale;
-        if let Some(painted) = &card.picture {
-            let (x, y) = (inside.x.round() as i32, inside.y.round() as i32);
-            let paint = PixmapPaint::default();
-            target.draw_pixmap(x, y, painted.as_ref(), &paint, Transform::identity(), None);
-        }
-        let characters = ((extent.x - 2.0 * PADDING * scale) / width("m", size)).floor() as usize;
-        let mut line = inside.y + picture.y + 0.2 * size;
-        let mut write = |colour: Colour, words: &str| {
-            text(target, DVec2::new(inside.x, line + BASELINE * size), size, colour, words);
-            line += LINE * size;
-        };
-        let name = if self.played == Some(index) {
-            format!("{} · playing", card.scene.name())
-        } else {
-            card.scene.name().to_owned()
-        };
-        write(BALL, &shorten(&name, characters));
-        let mut lines = wrap(&[card.scene.about()], characters);
-        if lines.len() > ABOUT_LINES {
-            lines.truncate(ABOUT_LINES);
-            if let Some(last) = lines.last_mut() {
-                *last = shorten(&format!("{last} …"), characters);
-            }
-        }
-        for words in &lines {
-            write(INK, words);
-        }
-        let balls = match card.balls {
-            _ if card.scene.rain().is_some() => "rain".to_owned(),
-            1 => "1 ball".to_owned(),
-            count => format!("{count} balls"),
-        };
-        let how = format!("{balls} · {}", card.scene.solver());
-        write(QUIET, &shorten(&how, characters));
-    }
-}
-
-impl Card {
-    /// The scene as it is after a moment, all of its world in the middle of a picture of this size, px.
-    fn paint(&self, size: DVec2) -> Option<Pixmap> {
-        let mut picture = Pixmap::new(size.x as u32, size.y as u32)?;
-        picture.fill(BACKGROUND.into());
-        let Ok(mut session) = Session::new(&self.scene, 1) else { return Some(picture) };
-        let start = Instant::now();
-        while session.simulation().time() < SHOWN_AT && start.elapsed() < PICTURE_MOST {
-            if session.advance_while(STEP, || start.elapsed() < PICTURE_MOST).is_err() {
-                break;
-            }
-        }
-        let world = session.simulation().world().size();
-        let scale = (size / world).min_element();
-        let covered = (world * scale).round().max(DVec2::ONE).min(size);
-        let mut scaled = Pixmap::new(covered.x as u32, covered.y as u32)?;
-        paint(session.simulation(), scale, &mut scaled.as_mut());
-        let corner = ((size - covered) / 2.0).round();
-        let (x, y) = (corner.x as i32, corner.y as i32);
-        let copy = PixmapPaint::default();
-        picture.draw_pixmap(x, y, scaled.as_ref(), &copy, Transform::identity(), None);
-        Some(picture)
     }
 }
 
