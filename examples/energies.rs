@@ -1,7 +1,7 @@
 //! Runs a scene and prints what becomes of its energy: `cargo run --example energies [SCENE]`.
 //!
-//! A scene is a built-in one or a file. Time passes only in `advance`, by as much as it is told, so a program decides itself
-//! whether seconds are those of a clock, of a film or of nothing at all.
+//! A scene is a built-in one or a file. Time passes only in `advance`, by as much as it is told, so a program decides
+//! itself whether seconds are those of a clock, of a film or of nothing at all.
 
 use carom::simulation::invariants::{kinetic_energy, potential_energy};
 use carom::{Scene, Solver};

@@ -1,4 +1,5 @@
-//! Measures how far a solver is from the truth: the same scene by `exact` and by the others, and the distance between them.
+//! Measures how far a solver is from the truth: the same scene by `exact` and by the others, and the distance between
+//! them.
 //!
 //! The truth has to be known longer than it is compared with. Where balls meet, errors grow about tenfold a second, so
 //! trajectories are compared while they are young; later only energies and statistics can be.

@@ -1,7 +1,7 @@
 //! Builds a pile from balls of its own, without a scene file, and sets up the solver that holds it.
 //!
-//! A ball, a world and a simulation check their numbers when they are made; nothing is checked, and nothing can fail, later
-//! but a delta that is no time.
+//! A ball, a world and a simulation check their numbers when they are made; nothing is checked, and nothing can fail,
+//! later but a delta that is no time.
 
 use carom::simulation::grid::Grid;
 use carom::simulation::invariants::max_overlap;

@@ -153,8 +153,8 @@ pub struct RunArgs {
     /// Write the run as an animated GIF
     #[arg(long, value_name = "FILE.gif")]
     pub gif: Option<PathBuf>,
-    /// Hold every frame against the laws (numbers, walls, overlap, energy, momentum, free flight); the first that breaks
-    /// one ends the run, and leaves the scene of the frame before
+    /// Hold every frame against the laws (numbers, walls, overlap, energy, momentum, free flight); the first that
+    /// breaks one ends the run, and leaves the scene of the frame before
     #[arg(long)]
     pub check: bool,
     /// Write the figures of the run as JSON, instead of a readable summary on standard output

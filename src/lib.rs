@@ -1,5 +1,5 @@
-//! Bouncing balls: a JavaScript canvas physics demo, native and bit for bit, an event-driven solver that is exact, and one
-//! with substeps that holds piles.
+//! Bouncing balls: a JavaScript canvas physics demo, native and bit for bit, an event-driven solver that is exact, and
+//! one with substeps that holds piles.
 //!
 //! ```
 //! use carom::Scene;
@@ -33,33 +33,39 @@
 //!       +--> the window, a PNG, a GIF; or nothing at all, where only figures are wanted
 //! ```
 //!
-//! The folders of the source are this story, and imports run one way only, from its beginning to its end; a test sees to it:
+//! The folders of the source are this story, and imports run one way only, from its beginning to its end; a test sees
+//! to it:
 //!
 //! ```text
 //! simulation  <-  scene  <-  session  <-  paint, headless  <-  report, window  <-  the program
 //! ```
 //!
-//! So the physics knows no files, clocks, random numbers or windows, and painting reads a simulation but never moves it.
+//! So the physics knows no files, clocks, random numbers or windows, and painting reads a simulation but never moves
+//! it.
 //!
 //! # Where to begin
 //!
-//! - [`Scene`]: a built-in scene or a file; [`scene`] tells what one may say, and [`scene::write`] makes one of a simulation.
-//! - [`Ball`], [`World`] and [`Simulation::new`]: without files. Numbers are checked when these are made, each against its
-//!   range in [`limits`](simulation::limits), and never again.
+//! - [`Scene`]: a built-in scene or a file; [`scene`] tells what one may say, and [`scene::write`] makes one of a
+//!   simulation.
+//! - [`Ball`], [`World`] and [`Simulation::new`]: without files. Numbers are checked when these are made, each against
+//!   its range in [`limits`](simulation::limits), and never again.
 //! - [`Solver`]: `exact` for what flies, `contact` for what lies on other things, `canvas` for the demo as it is.
 //! - [`invariants`](simulation::invariants): energy, momentum and overlap, to look at what a solver has done.
 //! - [`paint`]: pictures and animations of a simulation.
 //! - [`Session`]: a scene that is played, with commands, pause and time scale; what stands behind a window.
-//! - [`headless`]: `carom run` as a function. `report`, with the feature of that name: what the solvers are worth and cost.
+//! - [`headless`]: `carom run` as a function. `report`, with the feature of that name: what the solvers are worth and
+//!   cost.
 //!
 //! The folder `examples` has a program of a page for each of the first: `energies`, `pile`, `error` and `picture`.
 //!
-//! Lengths are in px with y growing downward, times in seconds, speeds in px/s; masses are in any unit that all balls share.
+//! Lengths are in px with y growing downward, times in seconds, speeds in px/s; masses are in any unit that all balls
+//! share.
 //!
 //! # Features
 //!
 //! All are on by default: `window` is the window and its graphics libraries, `report` the report with its plots, and
-//! `parallel` lets a simulation use [more than one thread](Simulation::with_threads). Without them there is everything else.
+//! `parallel` lets a simulation use [more than one thread](Simulation::with_threads). Without them there is everything
+//! else.
 
 pub mod headless;
 pub mod paint;

@@ -9,8 +9,8 @@ use std::process;
 
 use carom::headless::discard_unfinished;
 
-/// From now on, a panic inside of the window's libraries is told as what it means, leaves nothing half-written, and ends
-/// the program with exit code 1. All others are told as ever.
+/// From now on, a panic inside of the window's libraries is told as what it means, leaves nothing half-written, and
+/// ends the program with exit code 1. All others are told as ever.
 pub fn watch() {
     let others = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
