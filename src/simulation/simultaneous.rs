@@ -1,24 +1,25 @@
 //! The law of impact where several balls touch at one time: Moreau's (1988), with Newton's restitution at each contact.
 //!
-//! Contacts push, and never pull; where one pushes, its two balls part with their restitution times the speed that they
-//! approached with, and where none is needed, they part faster: λ ≥ 0, v′ + e·v ≥ 0, and λ·(v′ + e·v) = 0 at each. So no
-//! order of the impacts has to be chosen, momentum is kept, and energy never rises, nor falls where e = 1:
-//! ΔE = ½·Σ λ·(v′ + v) = −½·Σ λ·(1 − e)·|v|.
+//! Contacts push, and never pull. Where one pushes, its two balls part with their restitution times the speed that they
+//! approached with; where none is needed, they part at least as fast: with a contact's impulse λ and its speeds of
+//! parting v before and v′ after, λ ≥ 0, v′ + e·v ≥ 0, and λ·(v′ + e·v) = 0. So no order of the impacts has to be
+//! chosen, momentum is kept, and energy never rises, nor falls where e = 1: ΔE = ½·Σ λ·(v′ + v) = −½·Σ λ·(1 − e)·|v|.
 
 use glam::DVec2;
 
 /// A ball that takes part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Body {
-    /// px/s.
+    /// Before the impact, then after it, px/s.
     pub velocity: DVec2,
-    /// 0 where it is fixed.
+    /// 1 over its mass: 0 where it is fixed.
     pub inverse_mass: f64,
 }
 
 /// Two balls that touch, and approach each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Contact {
+    /// The places of the two among the bodies.
     pub first: usize,
     pub second: usize,
     /// From the second to the first, px: of any length, since a unit vector's rounding would make the energy drift.
@@ -26,15 +27,15 @@ pub(super) struct Contact {
     pub restitution: f64,
 }
 
-/// The sweeps after which the impulses must have come to their limits.
-const SWEEPS: usize = 10_000;
-/// They have where the next sweep would change no speed by more than this part of the balls' own.
+/// The most sweeps that the impulses may take to settle.
+const MOST_SWEEPS: usize = 10_000;
+/// They have settled where a sweep changed no speed by more than this part of the balls' own.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
 
-/// Gives bodies their velocities after all contacts' impulses; how many contacts push. [`None`], and nothing changed, where
-/// the impulses do not settle: with masses too unequal.
+/// Gives bodies their velocities after all contacts' impulses, and returns how many contacts push; `None`, with nothing
+/// changed, where the impulses do not settle, as with masses that are too unequal.
 ///
-/// The complementarity problem is solved by projected Gauss–Seidel sweeps, to rounding.
+/// The linear complementarity problem is solved by projected Gauss–Seidel sweeps, to rounding.
 pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usize> {
     let closing = |bodies: &[Body], contact: &Contact| {
         (bodies[contact.second].velocity - bodies[contact.first].velocity).dot(contact.distance)
@@ -47,7 +48,7 @@ pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usiz
     };
     let scale = contacts.iter().map(speeds).fold(0.0, f64::max);
     let mut impulses = vec![0.0; contacts.len()];
-    for _ in 0..SWEEPS {
+    for _ in 0..MOST_SWEEPS {
         let mut largest = 0.0_f64;
         for ((contact, impulse), approach) in contacts.iter().zip(&mut impulses).zip(&approaches) {
             let (first, second) = (bodies[contact.first], bodies[contact.second]);

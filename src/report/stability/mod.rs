@@ -178,8 +178,8 @@ mod tests {
         all_held_but(Solver::Contact, CONTACT_MISSES);
     }
 
-    /// A window that shrinks over a pile takes longer than a test may, in overlaps and creeping, till all are apart and at
-    /// rest.
+    /// A window that shrinks over a pile takes longer than a test may, in overlaps and creeping, till all are apart and
+    /// at rest.
     const EXACT_MISSES: &[&str] = &["shrinking-window"];
 
     /// Crowds under gravity in which all energy is taken or all is kept, strong gravity, and what is on the edge of its

@@ -126,8 +126,8 @@ impl Pair {
         (c / (discriminant.sqrt() - b)).max(parts + misses)
     }
 
-    /// Whether they touch, or nearly so: the square of their distance is greater than that at which they touch by no more
-    /// than this part.
+    /// Whether they touch, or nearly so: the square of their distance exceeds that at which they touch by at most this
+    /// part of it.
     #[inline]
     pub(super) fn are_within(&self, part: f64) -> bool {
         let square = self.reach * self.reach;
