@@ -170,8 +170,12 @@ impl Tape {
     }
 
     fn cut_off_future(&mut self) {
-        self.entries.truncate(self.at - self.first);
+        let future = self.entries.drain(self.at - self.first..).count();
         self.keys.retain(|key| key.at <= self.at);
+        if let Some(key) = self.keys.back().filter(|_| future > 0) {
+            // At least so long: how long single frames were watched is not kept.
+            self.watched = key.watched;
+        }
         self.fine.clear();
     }
 
@@ -322,6 +326,16 @@ mod tests {
         }
         assert_eq!((parts, tape.at), (5, 69));
         assert_eq!(way.state.simulation.balls(), shown[68]);
+    }
+
+    #[test]
+    fn what_was_watched_and_then_undone_does_not_count_as_watched() {
+        let (mut tape, ..) = recorded(300);
+        let mut state = going(&mut tape, 130);
+        let (frame, _) = Frame::take(&mut state, 0.5, || true).unwrap();
+        tape.add(Entry::Frame(frame), 0.5, &state);
+        // The key before is at 128.
+        assert!((tape.watched - (128.0 / 60.0 + 0.5)).abs() < 1e-9, "{}", tape.watched);
     }
 
     #[test]

@@ -69,8 +69,9 @@ fn balls(count: usize) -> String {
 }
 
 fn speed(scale: f64) -> String {
-    let factor = if scale < 1.0 { format!("1/{}", 1.0 / scale) } else { scale.to_string() };
-    format!("speed {factor}")
+    let slower = 1.0 / scale;
+    let divides = scale < 1.0 && slower == slower.round();
+    if divides { format!("speed 1/{slower}") } else { format!("speed {scale}") }
 }
 
 /// Gravity as it is now, in whole px/s².
@@ -84,6 +85,13 @@ fn gravity(gravity: Option<DVec2>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_speed_is_a_fraction_where_it_is_one_of_a_whole_number() {
+        for (scale, said) in [(1.0, "1"), (16.0, "16"), (0.25, "1/4"), (0.3, "0.3"), (1.5, "1.5")] {
+            assert_eq!(speed(scale), format!("speed {said}"));
+        }
+    }
 
     #[test]
     fn the_notice_gives_gravity_in_whole_numbers_without_a_minus_before_0() {

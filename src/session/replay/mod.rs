@@ -17,7 +17,7 @@ pub(super) use write::write;
 
 use super::state::State;
 use super::tape::Entry;
-use crate::scene::{Scene, SceneError};
+use crate::scene::{self, Rain, Scene, SceneError};
 use crate::simulation::Simulation;
 
 /// The first line of every replay.
@@ -117,7 +117,8 @@ impl Replay {
             read::read(text, scene).map_err(|(line, message)| wrong(line, message))?;
         let state = State::new(&start, header.seed)
             .map_err(|source| ReplayError::Scene { path: path.to_owned(), source: Box::new(source) })?;
-        if header.fingerprint.is_some_and(|recorded| recorded != fingerprint(&state.simulation)) {
+        if header.fingerprint.is_some_and(|recorded| recorded != fingerprint(&state.simulation, state.rain()))
+        {
             return Err(ReplayError::OtherScene {
                 path: path.to_owned(),
                 recorded: header.scene,
@@ -168,29 +169,12 @@ impl fmt::Display for Replay {
     }
 }
 
-/// A number that other balls, or another world, hardly share (Fowler, Noll, Vo 1991: FNV-1a).
-fn fingerprint(simulation: &Simulation) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    let mut add = |number: f64| {
-        for byte in number.to_bits().to_le_bytes() {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    };
-    let world = simulation.world();
-    let (size, gravity) = (world.size(), world.gravity().unwrap_or_default());
-    for number in [size.x, size.y, gravity.x, gravity.y, world.walls().unwrap_or(-1.0)] {
-        add(number);
-    }
-    for ball in simulation.balls() {
-        let (position, velocity) = (ball.position(), ball.velocity());
-        for number in [position.x, position.y, velocity.x, velocity.y] {
-            add(number);
-        }
-        for number in [ball.radius(), ball.mass(), ball.restitution()] {
-            add(number);
-        }
-    }
-    hash
+/// A number that other balls, another world or other rain hardly share (FNV-1a: Fowler, Noll & Vo 1991).
+fn fingerprint(simulation: &Simulation, rain: Option<&Rain>) -> u64 {
+    // The file that the scene would be written as has all of it, numbers to the last bit.
+    let text = scene::write(simulation, rain, "");
+    text.bytes()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 #[cfg(test)]
@@ -249,6 +233,26 @@ mod tests {
         let text = session.replay().unwrap();
         let error = Replay::parse(Path::new("a"), &text, &Scene::load("elastic").unwrap()).unwrap_err();
         assert!(error.to_string().contains("carom run gravity --commands a"), "{error}");
+    }
+
+    #[test]
+    fn a_replay_of_a_scene_that_was_changed_since_is_refused() {
+        let pairs = "[pairs]\n[[ball]]\nposition = [50, 50]\nradius = 5\n";
+        let rain = "[walls]\n[pairs]\n[rain]\nrate = 10\nradius = 3\n";
+        for (text, from, to) in [
+            (pairs, "[pairs]", "[pairs]\nresponse = \"detect\""),
+            (pairs, "radius = 5", "radius = 5.000000000000001"),
+            (rain, "rate = 10", "rate = 11"),
+            (rain, "radius = 3", "radius = [3, 4]"),
+            (rain, "[rain]", "[rain]\nseed = 2"),
+        ] {
+            let [scene, changed] = [text.to_owned(), text.replace(from, to)]
+                .map(|text| Scene::parse("mine", &format!("size = [200, 100]\n{text}")).unwrap());
+            let replay = Session::new(&scene, 1).unwrap().replay().unwrap();
+            assert!(Replay::parse(Path::new("a"), &replay, &scene).is_ok());
+            let refused = Replay::parse(Path::new("a"), &replay, &changed);
+            assert!(matches!(refused, Err(ReplayError::OtherScene { .. })), "{to}");
+        }
     }
 
     #[test]

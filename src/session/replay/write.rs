@@ -25,7 +25,7 @@ pub(in crate::session) fn write<'a>(
     }
     text += &format!("seed {seed}\n");
     if let Ok(simulation) = scene.build() {
-        text += &format!("start {:016x}\n", fingerprint(&simulation));
+        text += &format!("start {:016x}\n", fingerprint(&simulation, scene.rain().as_ref()));
     }
     for entry in entries {
         match entry {
