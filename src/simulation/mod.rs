@@ -24,6 +24,7 @@ use std::fmt;
 use glam::DVec2;
 
 pub use ball::Ball;
+use clock::Clock;
 use limits::{DEFAULT_REST_SPEED, DELTA, MAX_BALLS, MAX_THREADS, OutOfRange, REST_SPEED, SUBSTEPS};
 use solver::{Advance, Frame, Tuning};
 pub use solver::{Part, Solver, UnknownSolver};
@@ -52,7 +53,7 @@ pub struct Simulation {
     tuning: Tuning,
     /// The solver itself, made for this world and these balls, with what it remembers between frames.
     engine: Box<dyn Advance>,
-    time: f64,
+    clock: Clock,
     tally: Tally,
 }
 
@@ -106,8 +107,8 @@ impl Simulation {
         let touching = vec![false; balls.len()];
         let tuning = Tuning { rest_speed: DEFAULT_REST_SPEED, substeps: None, sleep: true, threads: 1 };
         let engine = solver.engine(&world, &balls, tuning);
-        let (time, tally) = (0.0, Tally::default());
-        Ok(Self { world, balls, touching, solver, tuning, engine, time, tally })
+        let (clock, tally) = (Clock::default(), Tally::default());
+        Ok(Self { world, balls, touching, solver, tuning, engine, clock, tally })
     }
 
     /// The same simulation with another rest speed u, px/s: the speed below which bouncing counts as rest,
@@ -209,7 +210,7 @@ impl Simulation {
         let mut frame = Frame { world, balls, touching, tally };
         let done = self.engine.advance(&mut frame, seconds, &mut go_on);
         debug_assert!((0.0..=seconds).contains(&done), "a solver moved on by {done} s of {seconds}");
-        self.time += done;
+        self.clock = self.clock.after(done);
         Ok(done)
     }
 
@@ -237,10 +238,11 @@ impl Simulation {
         self.solver
     }
 
-    /// The time simulated so far, s: the sum of all deltas, less what was left out of them.
+    /// The time simulated so far, s: the sum of all deltas, less what was left out of them. Nothing is lost in rounding,
+    /// however many they are.
     #[must_use]
     pub fn time(&self) -> f64 {
-        self.time
+        self.clock.seconds_since(Clock::default())
     }
 
     /// What has happened so far.
@@ -484,6 +486,20 @@ mod tests {
         assert_eq!(simulation.time(), 0.75);
         simulation.advance(0.5).unwrap();
         assert_eq!(simulation.time(), 1.25);
+    }
+
+    #[test]
+    fn an_hour_of_frames_is_an_hour_to_the_last_digit() {
+        let world = World::new(DVec2::splat(100.0)).unwrap();
+        for rate in [24.0, 60.0, 144.0] {
+            let mut simulation = Simulation::new(world, Vec::new(), Solver::Canvas).unwrap();
+            (0..3600 * rate as u32).for_each(|_| simulation.advance(1.0 / rate).unwrap());
+            assert!(
+                (simulation.time() - 3600.0).abs() <= 4.6e-13,
+                "{rate}: {:e}",
+                simulation.time() - 3600.0
+            );
+        }
     }
 
     #[test]

@@ -54,12 +54,12 @@ pub(super) struct Base {
 
 impl Before {
     pub(super) fn new(simulation: &Simulation, energy: f64) -> Self {
-        let Simulation { world, solver, time, ref balls, .. } = *simulation;
+        let Simulation { world, solver, ref balls, .. } = *simulation;
         let out = |ball: &Ball| !ball.is_fixed() && beyond_edges(&world, ball) > wall_tolerance(&world, ball);
         Self {
             world,
             solver,
-            time,
+            time: simulation.time(),
             energy,
             whole: is_whole(simulation),
             unfit: !is_whole(simulation) || (world.walls.is_some() && balls.iter().any(out)),
@@ -70,7 +70,7 @@ impl Before {
 
 impl Base {
     pub(super) fn new(simulation: &Simulation, grid: &mut Grid) -> Self {
-        let Simulation { world, tally, time, ref balls, .. } = *simulation;
+        let Simulation { world, tally, ref balls, .. } = *simulation;
         let overlap = deepest_overlap(grid, balls);
         let covered: f64 = balls.iter().map(|ball| 4.0 * ball.radius * ball.radius).sum();
         let widest = balls.iter().map(|ball| 2.0 * ball.radius).fold(0.0, f64::max);
@@ -83,7 +83,7 @@ impl Base {
         Self {
             momentum: momentum(balls),
             tally,
-            time,
+            time: simulation.time(),
             mass: free(balls).map(|ball| ball.mass).sum(),
             energy_scale: energy_scale(&world, balls),
             least_energy: energy(&world, balls),

@@ -22,7 +22,7 @@ const SUBSTEPS: u32 = 240;
 
 /// Whether the state is one that the solver has computed: `contact` only shows what lies between two of its substeps.
 pub(super) fn is_whole(simulation: &Simulation) -> bool {
-    let steps = simulation.time * f64::from(substeps(simulation));
+    let steps = simulation.time() * f64::from(substeps(simulation));
     simulation.solver != Solver::Contact || (steps - steps.round()).abs() <= WHOLE
 }
 
@@ -32,7 +32,7 @@ pub(super) fn instant(simulation: &Simulation) -> f64 {
         Solver::Canvas | Solver::Exact => INSTANT,
         Solver::Contact => INSTANT + WHOLE / f64::from(substeps(simulation)),
     };
-    shown + EPSILON * simulation.time
+    shown + EPSILON * simulation.time()
 }
 
 pub(super) fn substeps(simulation: &Simulation) -> u32 {

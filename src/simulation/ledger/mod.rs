@@ -118,7 +118,7 @@ impl Ledger {
         self.check_overlap(simulation)?;
         self.check_flights(simulation)?;
         self.before.balls.copy_from_slice(&simulation.balls);
-        (self.before.time, self.before.whole) = (simulation.time, is_whole(simulation));
+        (self.before.time, self.before.whole) = (simulation.time(), is_whole(simulation));
         Ok(())
     }
 
@@ -164,7 +164,9 @@ impl Ledger {
             + match (simulation.solver, world.gravity) {
                 (Solver::Canvas, None) => self.before.energy,
                 (Solver::Exact, _) if self.parts_overlaps(simulation) => f64::INFINITY,
-                (Solver::Canvas, Some(gravity)) => self.before.energy + self.lifted(gravity, simulation.time),
+                (Solver::Canvas, Some(gravity)) => {
+                    self.before.energy + self.lifted(gravity, simulation.time())
+                }
                 (Solver::Exact | Solver::Contact, None) => base.least_energy,
                 (Solver::Exact, Some(_)) => {
                     let hop = simulation.tuning.rest_speed;
@@ -227,7 +229,7 @@ impl Ledger {
         if base.fixed || !all_told {
             return Ok(());
         }
-        let seconds = simulation.time - base.time;
+        let seconds = simulation.time() - base.time;
         let fallen = world.gravity.unwrap_or_default() * (base.mass * seconds);
         let tallied = simulation.tally.wall_impulse.length() + base.tally.wall_impulse.length();
         let given = simulation.tally.wall_impulse - base.tally.wall_impulse;
@@ -251,7 +253,7 @@ impl Ledger {
 
     fn check_flights(&self, simulation: &Simulation) -> Result<(), Violation> {
         let world = &simulation.world;
-        let seconds = simulation.time - self.before.time;
+        let seconds = simulation.time() - self.before.time;
         let gravity = world.gravity.unwrap_or_default();
         let bounces = world.pairs == Some(Pairs::Impulse);
         let told = match simulation.solver {
