@@ -19,7 +19,7 @@ pub const CONTACT: [u8; 3] = [0xff, 0x66, 0xff];
 pub const NOTHING: [u8; 3] = [0, 0, 0];
 
 /// The program that is tested: the one that was built with the tests, or another that `CAROM_PROGRAM` names.
-fn program() -> String {
+pub fn program() -> String {
     std::env::var("CAROM_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_carom").to_owned())
 }
 
@@ -32,10 +32,15 @@ pub struct Display {
 
 static ALONE: Mutex<()> = Mutex::new(());
 
+/// Waits until no other test has a display.
+pub fn alone() -> MutexGuard<'static, ()> {
+    // A test that failed has poisoned the lock; the others go on.
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Display {
     pub fn start() -> Self {
-        // A test that failed has poisoned the lock; the others go on.
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let alone = alone();
         let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
         // Without -noreset the server starts anew, and refuses connections meanwhile, whenever its last client leaves.
         let mut server = Command::new("Xvfb")
@@ -230,11 +235,16 @@ impl Window<'_> {
 
     /// Processor time used so far, s.
     pub fn processor_time(&self) -> f64 {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap();
-        let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
-        // Fields 14 and 15 of proc(5), in ticks of 1/100 s.
-        (fields[11].parse::<f64>().unwrap() + fields[12].parse::<f64>().unwrap()) / 100.0
+        processor_time(&self.child)
     }
+}
+
+/// Processor time that a program has used so far, s.
+pub fn processor_time(child: &Child) -> f64 {
+    let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+    // Fields 14 and 15 of proc(5), in ticks of 1/100 s.
+    (fields[11].parse::<f64>().unwrap() + fields[12].parse::<f64>().unwrap()) / 100.0
 }
 
 impl Drop for Window<'_> {

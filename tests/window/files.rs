@@ -1,5 +1,6 @@
 //! What was done in a window, saved as a scene and as a replay, and read back: states, not only pictures.
 
+use std::path::Path;
 use std::process::Command;
 use std::thread::sleep;
 use std::time::Duration;
@@ -13,9 +14,12 @@ pub fn saved_balls(window: &mut Window<'_>, scene: &str, number: u32) -> Vec<Bal
     let name = format!("carom-{scene}-{number}.toml");
     window.key("ctrl+s");
     window.wait_title(&format!("saved {name}"));
-    let path = window.folder.path().join(name);
-    let scene = Scene::load(path.to_str().unwrap()).unwrap();
-    scene.build().unwrap().balls().to_vec()
+    balls_in(&window.folder.path().join(name))
+}
+
+/// The balls of this scene file.
+pub fn balls_in(file: &Path) -> Vec<Ball> {
+    Scene::load(file.to_str().unwrap()).unwrap().build().unwrap().balls().to_vec()
 }
 
 /// The balls at the end of the replay that Ctrl+Shift+S saves now, as `carom run --commands` has them; and its summary.
@@ -27,8 +31,12 @@ pub fn replayed(
     let name = format!("carom-{scene}-{number}.replay");
     window.key("ctrl+shift+s");
     window.wait_title(&format!("saved {name}"));
-    let run = ["run", scene, "--commands", &name, "--trace", "t.csv", "--summary", "-"];
-    let folder = window.folder.path();
+    run_replay(window.folder.path(), scene, &name)
+}
+
+/// The same of this replay in a folder.
+pub fn run_replay(folder: &Path, scene: &str, name: &str) -> (Vec<(DVec2, DVec2)>, serde_json::Value) {
+    let run = ["run", scene, "--commands", name, "--trace", "t.csv", "--summary", "-"];
     let output = Command::new(env!("CARGO_BIN_EXE_carom")).args(run).current_dir(folder).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -41,7 +49,8 @@ pub fn replayed(
     (balls.collect(), summary)
 }
 
-fn states(balls: &[Ball]) -> Vec<(DVec2, DVec2)> {
+/// Positions and velocities.
+pub fn states(balls: &[Ball]) -> Vec<(DVec2, DVec2)> {
     balls.iter().map(|ball| (ball.position(), ball.velocity())).collect()
 }
 
