@@ -1,5 +1,5 @@
-//! The real window on Wayland: on weston without a screen. Nothing there can press keys; that a window opens, shows its
-//! frames and ends is what can be tested.
+//! The real window on Wayland: on weston without a screen, the protocol's reference. Nothing there can press keys; that a
+//! window opens, shows its frames and ends is what can be tested. The rest is, on `sway`.
 
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -77,7 +77,7 @@ fn wait(what: &str, mut done: impl FnMut() -> bool) {
 }
 
 /// How many pixels have this colour.
-fn count(picture: &Pixmap, colour: [u8; 3]) -> usize {
+pub fn count(picture: &Pixmap, colour: [u8; 3]) -> usize {
     let is = |pixel: &&tiny_skia::PremultipliedColorU8| [pixel.red(), pixel.green(), pixel.blue()] == colour;
     picture.pixels().iter().filter(is).count()
 }
