@@ -38,7 +38,6 @@ fn on_wayland_keys_do_what_they_do_elsewhere() {
     window.wait_title("fps");
     sway.key("space");
     window.wait_title("paused");
-    sway.key("period");
     let shown = window.saved_balls("gravity", 2);
     let (replay, _) = window.saved_replay("gravity", 1);
     let (balls, _) = run_replay(window.folder.path(), "gravity", &replay);
