@@ -18,13 +18,14 @@ const LONGEST_ADVANCE: Duration = Duration::from_millis(25);
 /// How long to wait for the next frame where this one was not presented, which would have waited for the screen.
 const STILL: Duration = Duration::from_micros(16_667);
 
-/// Which frames are presented.
+/// When a frame is presented.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Present {
-    /// All: the window may have lost what it showed.
-    Always,
-    /// Those that look other than the one before.
-    Changes,
+    /// Now: the system asks for it, and the window may have lost what it showed.
+    Now,
+    /// Where it looks other than the one before, and then when the system asks for it. On Wayland that is once the last
+    /// picture was seen: given one before, drivers wait for that, without end where the window is hidden.
+    WhenAsked,
 }
 
 impl App {
@@ -56,7 +57,7 @@ impl App {
         let start = Instant::now();
         let measured = self.advance(start, world_size(size, scale))?;
         let advanced = Instant::now();
-        let changed = self.paint(scale, measured, start);
+        let changed = self.paint(scale, measured, start) || self.unseen;
         let painted = Instant::now();
         let Some((window, screen)) = &mut self.screen else { return Ok(()) };
         if window.inner_size() != size {
@@ -64,10 +65,16 @@ impl App {
             window.request_redraw();
             return Ok(());
         }
-        if !changed && present == Present::Changes {
-            self.stand_still(start);
+        if present == Present::WhenAsked {
+            self.unseen = changed;
+            if changed {
+                window.request_redraw();
+            } else {
+                self.stand_still(start);
+            }
             return Ok(());
         }
+        self.unseen = false;
         let presented = screen.present()?;
         self.turn.without(presented.upload + presented.present);
         if let Some(wait) = presented.again {

@@ -94,6 +94,8 @@ pub(super) struct App {
     retry: Option<Instant>,
     /// While nothing looks other than it did: when to take the next frame.
     next_frame: Option<Instant>,
+    /// Whether what was painted last is still to be presented.
+    unseen: bool,
     /// When what lies over the balls next changes by itself.
     overlay_changes: Option<Instant>,
     /// The title as it was set last.
@@ -144,7 +146,7 @@ impl ApplicationHandler for App {
             WindowEvent::MouseWheel { delta, .. } => self.turn_wheel(delta),
             WindowEvent::DroppedFile(path) => self.open_file(&path),
             WindowEvent::RedrawRequested => {
-                if let Err(error) = self.frame(Present::Always) {
+                if let Err(error) = self.frame(Present::Now) {
                     self.fail(event_loop, error);
                 }
             }
@@ -175,7 +177,7 @@ impl ApplicationHandler for App {
             self.request_redraw();
         }
         if due(self.next_frame)
-            && let Err(error) = self.frame(Present::Changes)
+            && let Err(error) = self.frame(Present::WhenAsked)
         {
             self.fail(event_loop, error);
         }
@@ -239,6 +241,7 @@ impl App {
             look_again: None,
             retry: None,
             next_frame: None,
+            unseen: false,
             overlay_changes: None,
             title: String::new(),
             complaint: String::new(),

@@ -94,3 +94,23 @@ fn on_wayland_a_hidden_window_stands_still_goes_on_from_there_and_can_be_closed(
     sway.tell("[app_id=carom] kill");
     assert!(window.end().success());
 }
+
+/// A ball that is not in the picture for its first second.
+const COMES: &str =
+    "solver = \"exact\"\n[[ball]]\nposition = [-130, 200]\nvelocity = [100, 0]\nradius = 30\n";
+
+#[test]
+#[ignore = "needs sway, wtype and grim; run with --ignored"]
+fn on_wayland_a_picture_that_changes_while_it_is_hidden_does_not_hold_the_window_up() {
+    let scene = tempfile::Builder::new().suffix(".toml").tempfile().unwrap();
+    std::fs::write(scene.path(), COMES).unwrap();
+    let sway = Sway::start();
+    let mut window = sway.open(&[scene.path().to_str().unwrap(), "--paused", "--size", "640x360"]);
+    window.wait("the picture", |window| window.fills(FIRST, (640, 360)));
+    sway.key("space");
+    sway.tell("workspace 2");
+    sleep(Duration::from_secs(2));
+    // A driver that is given a picture before the last one was seen waits for that.
+    sway.tell("[app_id=carom] kill");
+    assert!(window.end().success());
+}
