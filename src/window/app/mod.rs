@@ -39,6 +39,7 @@ use crate::session::Session;
 use frame::Present;
 
 /// The window and what is shown in it.
+#[expect(clippy::struct_excessive_bools, reason = "independent of each other")]
 pub(super) struct App {
     /// The scene as the command line named it.
     scene: String,
