@@ -407,8 +407,8 @@ impl Entry {
         Self { position: disc.centre(), radius: disc.radius(), index: index as u32 }
     }
 
-    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more. None of them is
-    /// smaller than `smallest`.
+    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more. None of them
+    /// is smaller than `smallest`.
     fn not_too_many<'a>(&self, others: &'a [Self], smallest: f64) -> impl Iterator<Item = &'a Self> {
         let Self { position, radius, .. } = *self;
         let all_large = 2.0 * smallest >= radius;

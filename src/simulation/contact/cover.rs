@@ -14,7 +14,7 @@ const MANY: usize = 24;
 const MORE: usize = 4;
 
 impl Near {
-    /// Covers all balls in a substep in which nothing hits them, if few are not covered yet. Whether that could be done.
+    /// Covers all balls in a substep in which nothing hits them, if few are not covered yet; whether it could.
     pub(super) fn keep_up(&mut self, bodies: &[Body], setting: &Setting, team: &Team) -> bool {
         let many = bodies.len() / MANY;
         if self.homes.len() != bodies.len() || self.moved > many || self.added > self.found / MORE + FEW {
@@ -53,7 +53,8 @@ impl Near {
         true
     }
 
-    /// Covers a ball that was hit at `time` s into this substep on its way to the end of it, if it is not covered there.
+    /// Covers a ball that was hit at `time` s into this substep on its way to the end of it, if it is not covered
+    /// there.
     pub(super) fn widen(&mut self, at: usize, time: f64, bodies: &[Body], setting: &Setting) {
         let (body, end) = (&bodies[at], bodies[at].end(setting.substep));
         if !self.homes[at].covers(end) {

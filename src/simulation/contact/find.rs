@@ -17,8 +17,8 @@ use super::{Body, Setting};
 const SKIN: f64 = 0.1;
 /// ... and as far as the root mean square of all speeds takes it in so many substeps.
 const HORIZON: f64 = 3.0;
-/// ... or its own speed; where nothing rests, at least through half of the way that it goes in that time: nearly all balls
-/// are covered in discs of one size then, which suit one size of cells.
+/// ... or its own speed; where nothing rests, at least through half of the way that it goes in that time: nearly all
+/// balls are covered in discs of one size then, which suit one size of cells.
 const LEAST_AHEAD: f64 = 0.25;
 /// The horizon where nothing rests, so that balls go straight on until they are hit.
 const HORIZON_OF_FLIGHT: f64 = 4.0;
@@ -33,7 +33,7 @@ const ROOM: f64 = 1.04;
 /// ... and anew where discs have become larger than that, or smaller by this factor.
 const MISFIT: f64 = 1.25;
 
-/// What the last search found.
+/// The neighbour list: what the last search found.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Near {
     pub(super) layout: Layout,
@@ -87,7 +87,7 @@ impl Pair {
 /// How two balls hold each other.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hold {
-    /// What holds them apart in a substep, mass·px/s along `normal`.
+    /// The accumulated impulse that holds them apart in a substep, mass·px/s along `normal`.
     pub(super) impulse: f64,
     /// From the second to the first, of length 1, where it was last needed.
     pub(super) normal: DVec2,
@@ -97,7 +97,7 @@ pub(super) struct Hold {
     pub(super) least: f64,
     /// Whether they have come to touch in this substep.
     pub(super) met: bool,
-    /// The mass of both against each other.
+    /// The effective mass of both along `normal`: 1 over the sum of their inverse masses.
     pub(super) mass: f64,
 }
 
@@ -122,7 +122,7 @@ pub(super) struct Beside {
     pub(super) push: DVec2,
 }
 
-/// Where a ball was when it was last covered, and how far from there it is, px.
+/// The place around which a ball is covered, and how far from there it may go before it is covered anew, px.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Home {
     pub(super) position: DVec2,
@@ -158,7 +158,7 @@ impl Disc for Reach {
     }
 }
 
-/// What balls carry from one search to the next.
+/// What balls carry from one search to the next: lists with one entry a ball, which are put in a new order together.
 pub(super) struct Cargo<'a> {
     pub(super) bodies: &'a mut Vec<Body>,
     pub(super) restitutions: &'a mut Vec<f64>,

@@ -1,11 +1,11 @@
 //! Balls that meet in a substep exchange momentum at their time of impact, in the order of these times.
 //!
-//! Each impulse follows Newton's law of restitution for one pair and takes energy or keeps it, so however many there are,
-//! energy never rises. A ball that was hit at time τ goes on from a place from which it would have started to be where it
-//! was at τ: later impacts of the same substep, and its end, come out right.
+//! Each impulse follows Newton's law of restitution for one pair and takes energy or keeps it, so however many there
+//! are, energy never rises. A ball that was hit at time τ goes on from a place from which it would have started to be
+//! where it was at τ: later impacts of the same substep, and its end, come out right.
 //!
-//! A ball that was hit a few times in a substep is left to what supports it. A fast one could go through others then, so
-//! it may be hit much more often, and where that is not enough, the substep ends for all fast balls there and then
+//! A ball that was hit a few times in a substep is left to what supports it. A fast one could go through others then,
+//! so it may be hit much more often, and where that is not enough, the substep ends for all fast balls there and then
 //! (continuous collision detection): they lose time, never their speed, and go through nothing.
 
 use std::cmp::Ordering;
@@ -24,8 +24,8 @@ const MOST: u32 = 8;
 const MOST_OF_FEW: u32 = 64;
 /// The same of a fast ball.
 const MOST_FAST: u32 = 256;
-/// Both where balls are so deep in each other, as in a world that shrank, that each has more pairs than this: after each
-/// impact all of a ball's pairs are looked at again, and what comes of it is no flight.
+/// Both where balls are so deep in each other, as in a world that shrank, that each has more pairs than this: after
+/// each impact all of a ball's pairs are looked at again, and what comes of it is no flight.
 const MOST_IN_CROWD: (u32, u32) = (1, 4);
 const CROWD: usize = 32;
 /// A ball that goes farther in a substep than so many times its radius is fast.
@@ -186,8 +186,8 @@ impl Stage<'_> {
         stripe.nearing = nearing;
     }
 
-    /// Looks at all pairs of a stripe, and gathers the places of those that may meet: most do not, and which do cannot be
-    /// foreseen by a processor, so there is no branch.
+    /// Looks at all pairs of a stripe, and gathers the places of those that may meet: most do not, and which do cannot
+    /// be foreseen by a processor, so there is no branch.
     fn find_nearing(&self, bodies: &[Body], stripe: &mut Stripe, nearing: &mut Vec<u32>) {
         nearing.resize(stripe.pairs.len(), 0);
         let mut found = 0;

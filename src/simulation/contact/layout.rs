@@ -1,10 +1,10 @@
 //! Bodies in stripes: runs of neighbours that are worked on by themselves, so that several threads share a substep.
 //!
 //! Bodies stand in the order of their places, along columns where gravity pulls down, so a stripe is a range of them.
-//! Pairs within a stripe belong to it. Those across its edge belong to the *seam* there, the halves of the stripes on both
-//! sides; the few that span more, those of a ball larger than a stripe, to the *rest*. First all stripes are worked on, each by
-//! itself, then all seams, then the rest. How many stripes there are depends on the balls alone, so the order, and with it
-//! every bit of the result, is the same for any number of threads.
+//! Pairs within a stripe belong to it. Those across its edge belong to the *seam* there, the halves of the stripes on
+//! both sides; the few that span more, those of a ball larger than a stripe, to the *rest*. First all stripes are
+//! worked on, each by itself, then all seams, then the rest. How many stripes there are depends on the balls alone, so
+//! the order, and with it every bit of the result, is the same for any number of threads.
 
 use std::ops::Range;
 
@@ -12,10 +12,11 @@ use std::ops::Range;
 const LEAST: usize = 2048;
 /// A stripe is about so many balls wide, at least: few of its balls lie at an edge, and a core's cache takes it.
 const WIDTH: f64 = 10.0;
+
 /// Which stripes there are, and which numbers they have: the stripes, the seams before and behind each, the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Layout {
-    /// A stripe is twice 2 to this power bodies long.
+    /// Half a stripe is 2 to this power bodies long.
     shift: u32,
     /// How many there are, seams and the rest not counted.
     own: usize,

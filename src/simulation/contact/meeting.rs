@@ -73,9 +73,9 @@ impl Meeting {
             return None;
         }
         let distance = distance + velocity * wait;
-        // By the velocity at the time of impact, or, where they pressed on each other before, by that without what presses
-        // them together now; but by no more than the mean velocity in the substep, in which what they were given already
-        // counts: none may give more than it finds.
+        // By the velocity at the time of impact, or, where they pressed on each other before, by that without what
+        // presses them together now; but by no more than the mean velocity in the substep, in which what they were
+        // given already counts: none may give more than it finds.
         let change = first.change(setting.kick) - second.change(setting.kick);
         let then = velocity + change * if held { -1.0 } else { time / setting.substep - 0.5 };
         let closing = distance.dot(velocity).max(distance.dot(then));

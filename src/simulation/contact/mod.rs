@@ -4,9 +4,9 @@
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `order`; of
 //!    single balls `cover`);
-//! 3. balls that meet exchange momentum at their time of impact (`rounds`, `impacts`, `meeting`,
-//!    `walls`);
-//! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps (`support`);
+//! 3. balls that meet exchange momentum at their time of impact (`rounds`, `impacts`, `meeting`, `walls`);
+//! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
+//!    (`support`);
 //! 5. balls move (`Contact::travel`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`).
 //!
@@ -42,10 +42,10 @@ use sleep::Rest;
 use stripes::of_layer;
 use team::Team;
 
-/// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; a multiple of that where gravity is strong.
+/// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; more where gravity is strong.
 const RATE: u32 = 240;
-/// Gravity moves a ball at rest by at most this part of the smallest radius in a substep: else what falls within one would
-/// count for more than what is held.
+/// Gravity moves a ball at rest by at most this part of the smallest radius in a substep: else what falls within one
+/// would count for more than what is held.
 const SINKING: f64 = 0.02;
 /// ... as long as substeps are not shortened more than so many times.
 const MOST_SHORTENED: f64 = 1024.0;

@@ -20,8 +20,8 @@ pub(super) struct Heights {
 }
 
 impl Heights {
-    /// Puts the pairs in the order of the height of their upper balls, from the lowest up to a fraction of a radius, with
-    /// all pairs of an upper ball side by side, and the upper ball first. `up` is the unit vector against gravity.
+    /// Puts the pairs in the order of the height of their upper balls, from the lowest up to a fraction of a radius,
+    /// with all pairs of an upper ball side by side, and the upper ball first. `up` is the unit vector against gravity.
     pub(super) fn sort(&mut self, pairs: &mut Vec<Pair>, bodies: &[Body], up: DVec2) {
         let Self { starts, ranks, sorted } = self;
         let height = |body: &Body| body.position.dot(up);
@@ -82,8 +82,8 @@ pub(super) struct Links {
     /// Where the pairs of each ball begin in `places`; one more than there are balls, or none where nothing is linked.
     starts: Vec<u32>,
     places: Vec<u32>,
-    /// The last link of each ball's chain; empty where nothing was added. A link is twice its pair's place, and one more for the
-    /// second ball, counted from the first pair that was added.
+    /// The last link of each ball's chain; empty where nothing was added. A link is twice its pair's place, and one
+    /// more for the second ball, counted from the first pair that was added.
     lasts: Vec<u32>,
     /// For each link, the one before in its chain.
     befores: Vec<u32>,
@@ -192,10 +192,11 @@ impl Known {
     }
 }
 
-/// What held balls when pairs were searched anew.
+/// What held balls when pairs were searched anew: their impulses outlive the search, for a warm start.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Kept {
-    /// Where the holds begin whose lower index is a ball's; one more than there are balls. Empty where nothing was held.
+    /// Where the holds begin whose lower index is a ball's; one more than there are balls, or none where nothing
+    /// was held.
     starts: Vec<u32>,
     /// The higher index, and the hold as seen from there to the lower one.
     holds: Vec<(u32, Hold)>,

@@ -1,10 +1,10 @@
 //! The rounds in which impacts of a substep are taken.
 //!
-//! In the first each stripe takes its own, in the order of time. It leaves those of balls that are foreseen to meet one of
-//! another stripe, that were hit and have pairs there, or that are fast or asleep, and those that may come of these. They are
-//! taken in the second round, in the order of time too, but after those of the first: near an edge a ball that is hit more than
-//! once in a substep may be hit in another order than in time. What it then meets it still meets, from when it was last hit:
-//! nothing is passed through, and no impact gives energy.
+//! In the first each stripe takes its own, in the order of time. It leaves those of balls that are foreseen to meet one
+//! of another stripe, that were hit and have pairs there, or that are fast or asleep, and those that may come of these.
+//! They are taken in the second round, in the order of time too, but after those of the first: near an edge a ball that
+//! is hit more than once in a substep may be hit in another order than in time. What it then meets it still meets, from
+//! when it was last hit: nothing is passed through, and no impact gives energy.
 
 use std::collections::BinaryHeap;
 use std::mem::take;

@@ -2,8 +2,8 @@
 //!
 //! A ball falls asleep where it is held, and has hardly moved for a while. It wakes where something hits it firmly, or
 //! where what holds it and what lies on it no longer balance its weight: then it moves, and those that lean on it wake
-//! in turn, as far as the change is felt. So there are no islands to keep, and a ball that lands on a large pile wakes what it
-//! shakes.
+//! in turn, as far as the change is felt. So there are no islands to keep, and a ball that lands on a large pile wakes
+//! what it shakes.
 
 use glam::DVec2;
 
@@ -18,10 +18,12 @@ const WINDOW: f64 = 0.5;
 const LEAST_WINDOW: u64 = 32;
 /// A ball rests where it has drifted slower than this, in kicks of gravity (the speed that gravity gives in a substep).
 const DRIFT: f64 = 0.25;
+/// ... and where what acts on it is in balance up to this part of its weight and of all that presses on it.
+const EVEN: f64 = 0.15;
 /// A ball that overlaps another by more than this part of the smaller radius is not at rest.
 const DEEP: f64 = 0.05;
-/// ... and where what acts on it differs from balance by less than this part of its weight and of all that presses on it.
-const EVEN: f64 = 0.15;
+/// What swings may be where it was when the window ends, but not after so many eighths of it, too.
+const EIGHTHS: u64 = 3;
 /// A ball wakes where what acts on it differs from balance by more than this part of its weight ...
 const WEIGHT: f64 = 0.5;
 /// ... and this part of all that presses on it.
@@ -58,8 +60,7 @@ impl Contact {
         }
         match self.steps % window {
             0 => self.put_to_sleep(window),
-            // What swings may be where it was at the end, but not here, too.
-            step if step == window * 3 / 8 => self.find_strays(window),
+            step if step == window * EIGHTHS / 8 => self.find_strays(window),
             _ => {}
         }
     }
@@ -179,8 +180,8 @@ impl Stripes<'_> {
     }
 }
 
-/// Wakes a ball, at rest, and tells what of that which it is `given` goes on: nothing where it would be shot away. Its pairs
-/// must be linked.
+/// Wakes a ball, at rest, and tells what of that which it is `given` goes on: nothing where it would be shot away. Its
+/// pairs must be linked.
 fn wake(
     at: usize,
     given: &Given,

@@ -1,4 +1,5 @@
-//! What a stripe holds: the pairs of a range of bodies, and what is known of them; and what is asked of several stripes.
+//! What a stripe holds: the pairs of a range of bodies, and what is known of them; and what is asked of several
+//! stripes.
 
 use std::collections::BinaryHeap;
 
@@ -15,19 +16,20 @@ const NOWHERE: u32 = u32::MAX;
 /// Pairs of a range of bodies, by the places of these within it, and what is known of them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Stripe {
-    /// Where there is gravity, the first is the upper one, and pairs stand in the order of its height, from the lowest up,
-    /// before those that were added since.
+    /// Where there is gravity, the first is the upper one, and pairs stand in the order of its height, from the lowest
+    /// up, before those that were added since.
     pub(super) pairs: Vec<Pair>,
-    /// For each pair; empty where nothing rests.
+    /// For each pair, how it is held apart; empty where nothing rests.
     pub(super) holds: Vec<Hold>,
-    /// For each of these, whether they pressed on each other, or met, in the last substep.
+    /// For each hold, whether the two pressed on each other, or met, in the last substep.
     pub(super) held: Vec<bool>,
-    /// For each of these, whether it was held apart in the last substep, or has met since; an impulse of others is 0.
+    /// For each hold, whether it was looked after in the last substep, pressed or not, or its pair has met since. The
+    /// impulse of others is 0.
     pub(super) live: Vec<bool>,
-    /// For each pair, whether nothing moves either of its balls.
-    pub(super) idle: Vec<bool>,
     /// For each pair, whether it may come close enough in this substep to be held apart.
     pub(super) close: Vec<bool>,
+    /// For each pair, whether neither of its balls can be moved.
+    pub(super) idle: Vec<bool>,
     pub(super) links: Links,
     pub(super) heights: Heights,
     /// Bodies of this stripe, no seam, that may touch a wall.

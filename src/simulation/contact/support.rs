@@ -2,10 +2,11 @@
 //! pair closer than touching at the end of the substep.
 //!
 //! They are found by projected Gauss–Seidel sweeps (Cottle, Pang & Stone 1992), one against gravity and one back, which
-//! start from the impulses of the last substep. An impulse gives way a little, so that overlaps follow loads, as springs
-//! would have it (soft constraints; Catto 2011): without that, a pile of rigid balls without friction never comes to rest.
-//! What moves balls out of overlaps is no speed of theirs: it is taken away after the move. Last, each ball is stopped on
-//! what lies below it, from the ground up, so that no load, and no ratio of masses, makes anything sink.
+//! start from the impulses of the last substep. An impulse gives way a little, so that overlaps follow loads, as
+//! springs would have it (soft constraints; Catto 2011): without that, a pile of rigid balls without friction never
+//! comes to rest. What moves balls out of overlaps is no speed of theirs: it is taken away after the move. Last, each
+//! ball is stopped on what lies below it, from the ground up, so that no load, and no ratio of masses, makes anything
+//! sink.
 
 use glam::DVec2;
 
@@ -22,8 +23,8 @@ const APART: f64 = 0.01;
 const MENDED: f64 = 0.3;
 /// ... at this many sums of both radii a second, at most: what starts in an overlap parts, and is not shot away.
 const MENDING_SPEED: f64 = 4.0;
-/// How much an impulse gives way, as a part of itself. With [`MENDED`] it makes contacts springs that are damped more than
-/// enough: a pair that carries the weight of N balls of its own mass overlaps by about N·g·h²·SOFT/MENDED.
+/// How much an impulse gives way, as a part of itself. With [`MENDED`] it makes contacts springs that are damped more
+/// than enough: a pair that carries the weight of N balls of its own mass overlaps by about N·g·h²·SOFT/MENDED.
 const SOFT: f64 = 0.006;
 /// What is left of an impulse that gives way.
 const YIELDING: f64 = 1.0 / (1.0 + SOFT);
@@ -209,8 +210,8 @@ fn carry(bodies: &mut [Body], pairs: &[Pair], holds: &[Hold], run: &[u32]) {
     body.velocity = velocity;
 }
 
-/// Looks at a pair anew: its direction and distance. Whether it is close enough to be held apart; then it is, once. Where
-/// one of them is shifted by an impact, its place says nothing of overlaps.
+/// Looks at a pair anew: its direction and distance. Whether it is close enough to be held apart; then it is, once.
+/// Where one of them is shifted by an impact, its place says nothing of overlaps.
 #[inline]
 fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, shifted: bool) -> bool {
     let (first, second) = two(bodies, pair);
@@ -226,8 +227,8 @@ fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, 
     let normal = if squared < f64::MIN_POSITIVE { DVec2::X } else { distance / length };
     let gap = length - reach;
     // What was given along the old direction turns into the new one within a few substeps, as if the balls gripped each
-    // other a little: that works against the motion that turns it, and lets piles come to rest. Where the direction turns by
-    // more in a substep, or nothing presses any more, nothing is left of it.
+    // other a little: that works against the motion that turns it, and lets piles come to rest. Where the direction
+    // turns by more in a substep, or nothing presses any more, nothing is left of it.
     let given = hold.normal * hold.impulse + hold.grip;
     let steady = (normal - hold.normal).length_squared() < STEADY * STEADY;
     if steady && hold.impulse > 0.0 {
@@ -274,7 +275,8 @@ pub(super) fn let_go(bodies: &mut [Body], pair: Pair, hold: &mut Hold) {
     (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
 }
 
-/// Takes a part of the velocity with which two balls that press on each other slide along each other, where that is slow.
+/// Takes a part of the velocity with which two balls that press on each other slide along each other, where that is
+/// slow.
 #[inline]
 fn calm(bodies: &mut [Body], pair: Pair, hold: &Hold, slow: f64) {
     let (first, second) = two(bodies, pair);
@@ -289,14 +291,15 @@ fn calm(bodies: &mut [Body], pair: Pair, hold: &Hold, slow: f64) {
     }
 }
 
+/// One Gauss–Seidel step of a pair; `left` as for [`press`].
 #[inline]
 fn hold_apart(bodies: &mut [Body], pair: Pair, hold: &mut Hold, left: f64) {
     let (first, second) = two(bodies, pair);
     press(hold, first, second, left);
 }
 
-/// Brings a pair's impulse to where both part with the least velocity, or to 0. Of a soft one only a part is `left`, so that
-/// what they overlap by, in the end, follows what they carry.
+/// Brings a pair's impulse to where both part with the least velocity, or to 0. Of a soft one only a part is `left`, so
+/// that what they overlap by, in the end, follows what they carry.
 #[inline]
 fn press(hold: &mut Hold, first: &mut Body, second: &mut Body, left: f64) {
     let parting = (first.velocity - second.velocity).dot(hold.normal);

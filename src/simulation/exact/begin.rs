@@ -92,8 +92,8 @@ impl Exact {
         self.ids.iter().map(|&id| &balls[id as usize])
     }
 
-    /// Finds out what comes next for each ball, at the very beginning.
-    /// Whether that is done: a crowd at one place takes long, and may be gone on with later.
+    /// Foresees the first event of each ball, before anything has moved, and returns whether that is done: a crowd at
+    /// one place takes long, and may be gone on with later.
     pub(super) fn begin<N: Needs>(&mut self, balls: &[Ball], go_on: &mut dyn FnMut() -> bool) -> bool {
         if self.begun == 0 {
             self.place_all(balls);
@@ -133,9 +133,10 @@ impl Exact {
     }
 }
 
-/// The rest speed as it counts, px/s. It is meant for the demo's gravity; where gravity is stronger it is in proportion, so that
-/// hops are as long, and as many in a second. But hops are never seen: they are lower than a hundredth of the smallest radius
-/// of a ball that moves. Where gravity is weak, or balls are tiny, that is less than what was asked for.
+/// The rest speed as it counts, px/s. It is meant for the demo's gravity; stronger gravity raises it in proportion, so
+/// that hops last as long, and are as many in a second. But hops that are left out are never to be seen: where gravity
+/// is weak, or balls are tiny, it is lowered until they rise by no more than a hundredth of the smallest radius of a
+/// ball that moves.
 fn counted_rest_speed(asked: f64, gravity: DVec2, smallest: f64) -> f64 {
     if gravity == DVec2::ZERO {
         return asked;

@@ -67,8 +67,8 @@ const MOST_SOONER: usize = 64;
 /// Moments of a year, of which each may be its end: a power of two.
 pub(super) const MOMENTS: f64 = (1_u64 << 20) as f64;
 
-/// The days of a year for so many balls: short ones, with few events to sort, as long as all of them stay in the caches;
-/// fewer and longer ones where the balls are very many.
+/// The days of a year for so many balls: short ones, with few events to sort, as long as all of them stay in the
+/// caches; fewer and longer ones where the balls are very many.
 fn days(balls: usize) -> usize {
     balls.min(2048).max(balls / 64).max(32).next_power_of_two()
 }
@@ -109,8 +109,8 @@ impl Calendar {
     /// Writes an event down, unless it lies beyond the year.
     #[inline]
     pub(super) fn write(&mut self, time: f64, ball: u32) {
-        // The year and its days are powers of two: the product is exact. Whether an event is within the year is a toss, for
-        // which there is no branch: what is not goes to a day of its own, which never comes.
+        // The year and its days are powers of two: the product is exact. Whether an event is within the year is a toss,
+        // for which there is no branch: what is not goes to a day of its own, which never comes.
         let beyond = self.beyond();
         let day = ((time * self.days_per_second) as u32 as usize).min(beyond);
         let entry = Entry { time, ball };

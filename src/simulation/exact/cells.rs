@@ -1,10 +1,10 @@
 //! Where balls are, roughly: cells that a ball's flight crosses one after the other.
 //!
 //! Each ball is in a cell at least as wide as itself, so that it meets nothing of its own size that is not in that cell
-//! or one of the eight around it. Cells come in levels, each twice as wide as the one before; a ball lives in the finest
-//! that is wide enough for it, and a coarse cell holds whole fine ones. Two balls can meet only where the finer one's
-//! place, seen at the coarser one's level, is next to the coarser one's: small balls look up a level for large ones, and
-//! large ones look down (a hierarchical grid as in Ogarko & Luding 2012).
+//! or one of the eight around it. Cells come in levels, each twice as wide as the one before; a ball lives in the
+//! finest that is wide enough for it, and a coarse cell holds whole fine ones. Two balls can meet only where the finer
+//! one's place, seen at the coarser one's level, is next to the coarser one's: small balls look up a level for large
+//! ones, and large ones look down (a hierarchical grid as in Ogarko & Luding 2012).
 
 use glam::DVec2;
 
@@ -20,7 +20,7 @@ pub(super) const END: u32 = u32::MAX;
 const CELLS_PER_BALL: f64 = 3.0;
 /// The most columns, and rows.
 const MOST: f64 = 65_535.0;
-/// Cells are wider than the balls in them by this factor, so that rounding never puts two touching ones two cells apart.
+/// Cells are wider than their balls by this factor, so that rounding never puts two touching ones two cells apart.
 const MARGIN: f64 = 1.0 + 1e-9;
 
 /// One level holds diameters up to this factor; a coarser one more for each further factor of two.
@@ -240,7 +240,8 @@ impl Cells {
         }
     }
 
-    /// Hands over the first balls, or [`END`], of the nine cells around a place, or of the three of them beyond a border.
+    /// Hands over the first balls, or [`END`], of the nine cells around a place, or of the three of them beyond a
+    /// border.
     #[inline]
     fn heads_around(
         &self,

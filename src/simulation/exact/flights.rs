@@ -137,7 +137,7 @@ impl Marks {
     /// As much chatter as is counted.
     pub(super) const MOST_CHATTER: u16 = 15;
 
-    /// Of an axis each: whether it rests there, as a number from 0 to 3.
+    /// On which axes it rests, a bit each: a number from 0 to 3.
     #[inline]
     pub(super) fn rests(self) -> usize {
         usize::from(self.0 & 3)

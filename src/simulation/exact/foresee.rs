@@ -1,4 +1,5 @@
-//! What comes next for a ball: the earliest of its impacts on walls and other balls, and of the borders that it crosses.
+//! What comes next for a ball: the earliest of its impacts on walls and other balls, and of the borders that it
+//! crosses.
 
 use crate::simulation::flight::{self, NEVER, Pair};
 
@@ -8,7 +9,7 @@ use super::flights::{Against, Marks};
 use super::together::AT_HAND;
 use super::{Exact, Needs};
 
-/// An event is an event more to whoever looks at the watch for each so many balls near it.
+/// So many balls near a ball count as one event more for the caller's watch: each of them costs a root.
 const NEAR_PER_EVENT: u32 = 16;
 
 /// What a ball's own flight leads to, whatever the others do.
@@ -131,8 +132,8 @@ impl Exact {
         ahead
     }
 
-    /// The same in straight flight, where each axis has one side ahead. Whether a wall is there or the border of a cell,
-    /// and which of the two sides is reached first, no processor can foretell: there are no branches for it.
+    /// The same in straight flight, where each axis has one side ahead. Whether a wall is there or the border of a
+    /// cell, and which of the two sides is reached first, no processor can foretell: there are no branches for it.
     #[inline]
     fn straight_ahead<N: Needs>(&self, slot: usize) -> Ahead {
         let flight = &self.flights[slot];
@@ -274,6 +275,7 @@ impl Exact {
             near += 1;
             let held = |slot: usize| self.marks[slot].rests() == 3;
             if N::GRAVITY && held(slot) && held(other) {
+                // Neither moves: they never meet.
             } else if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
                 // These cost most, and least where there is little time left: they come last.
                 if !accelerated.push(other) {

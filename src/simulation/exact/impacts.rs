@@ -3,12 +3,13 @@
 //! With restitution below 1, ever smaller hops would follow each other without end (`McNamara` & Young 1992). A ball
 //! rests on a wall that gravity presses it to when it would bounce off more slowly than the rest speed u; it slides on
 //! without friction, until an impact lifts it. Balls that hit each other more slowly than u, and within 2u/g of an
-//! impact before, lose nothing, and neither do faster ones that have moved less than a thousandth of 2u²/g since: the TC
-//! model of Luding & `McNamara` (1998), in time and in length. What chatters so for long is laid to rest by `settle`.
+//! impact before, lose nothing, and neither do faster ones that have moved less than a thousandth of 2u²/g since: the
+//! TC model of Luding & `McNamara` (1998), in time and in length. What chatters so for long is laid to rest by
+//! `settle`.
 //!
-//! Nothing is moved, overlaps or not. What overlaps and approaches has an impact now, and what overlaps and parts has none
-//! (Bannerman et al. 2014); what overlaps at rest, as where balls were put into each other, or a window shrank over a pile,
-//! has one now after which it parts, and where that costs work it comes from nowhere.
+//! Nothing is moved, overlaps or not. What overlaps and approaches has an impact now, and what overlaps and parts has
+//! none (Bannerman et al. 2014); what overlaps at rest, as where balls were put into each other, or a window shrank
+//! over a pile, has one now after which it parts, and where that costs work it comes from nowhere.
 
 use glam::DVec2;
 
@@ -24,13 +25,14 @@ use super::{Exact, LEAN, Needs};
 const CONSERVATIVE: f64 = 0.01;
 /// The part of the rest speed that a ball bounces off one that rests with, at least, while it chatters.
 const LEAST_HOP: f64 = 0.5;
-/// What a ball moves between two fast hits that are chatter, as a part of what it moves between two slow ones. So little
-/// that no other impact is taken for chatter, and it need not be more: a ball in a wedge gets there in a few hits.
+/// What a ball moves between two fast hits that are chatter, as a part of what it moves between two slow ones. So
+/// little that no other impact is taken for chatter, and it need not be more: a ball in a wedge gets there in a few
+/// hits.
 const BARELY: f64 = 1e-3;
-/// ... once so many hits came one soon after the other: a ball on the floor that is hit goes to and fro a few times between
-/// what hit it and the floor, and loses what it should.
+/// ... once so many hits came one soon after the other: a ball on the floor that is hit goes to and fro a few times
+/// between what hit it and the floor, and loses what it should.
 const QUICK: u16 = 8;
-/// The demo's gravity, px/s²: it sets the time scale of chatter where there is none, and the rest speed is meant for it.
+/// The demo's gravity, px/s²: the rest speed is meant for it, and where there is none it sets chatter's time scale.
 pub(super) const EARTH: f64 = 980.0;
 /// A ball that hits a wall is as near to it as this part of the world's size. One that is not began beyond it, and
 /// stays where it is.
@@ -50,7 +52,7 @@ impl Meeting {
         closing <= 0.0 || closing * closing < speed * speed * self.distance.length_squared()
     }
 
-    /// The same meeting as it counts if they must part at `least`, px/s, whatever the restitution makes of their approach.
+    /// The same meeting as it counts if they must part at `least`, px/s, whatever restitution makes of their approach.
     fn parting_at(&self, least: f64, e: f64) -> Self {
         let Self { distance, velocity } = *self;
         let length = distance.length().max(f64::MIN_POSITIVE);
@@ -88,10 +90,12 @@ fn shares_with_fixed(first: &Matter, second: &Matter) -> (f64, f64) {
 }
 
 impl Exact {
-    /// The approach, px/s, below which an impact is chatter, so long after a ball's last one.
+    /// The approach, px/s, below which an impact of a ball now is chatter, so soon after its last one; 0 where that was
+    /// long ago.
     ///
-    /// That is the rest speed, or more where the ball has hardly moved since, and not in the hits before either. So a ball that is driven into a wedge is thrown back in the end, where otherwise it would hit ever more
-    /// often and never stop.
+    /// That is the rest speed, or more where the ball has hardly moved since, nor between the hits before. So a ball
+    /// that is driven into a wedge is thrown back in the end, where otherwise it would hit ever more often and never
+    /// stop.
     fn chatter_speed(&self, slot: usize, now: f64) -> f64 {
         let since = now - self.flights[slot].time;
         if self.marks[slot].has(Marks::STRUCK) && since < self.chatter_time {
@@ -118,6 +122,7 @@ impl Exact {
         (flight.position, flight.velocity, flight.time) = (position, velocity, now);
     }
 
+    /// Takes the impact of a ball on the wall across an axis, at its low or its high end.
     pub(super) fn hit_wall<N: Needs>(
         &mut self,
         tally: &mut Tally,
@@ -172,6 +177,7 @@ impl Exact {
         }
     }
 
+    /// Takes the impact of two balls, and those that others which they touch have with them at this time.
     pub(super) fn collide<N: Needs>(&mut self, tally: &mut Tally, one: usize, other: usize, now: f64) {
         let ((p1, v1), (p2, v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
         let mut meeting = Meeting { distance: p1 - p2, velocity: v1 - v2 };
@@ -282,12 +288,13 @@ impl Exact {
         held_impact(distance, velocity, yields, e)
     }
 
-    /// How fast a ball parts from one that rests at least, px/s, or gravity would close the contact again at once, for ever.
+    /// The least speed, px/s, at which a ball parts from one that rests: slower, gravity would close the contact again
+    /// at once, for ever.
     fn least_hop(&self, e: f64) -> f64 {
         LEAST_HOP * self.rest_speed * if e < 1.0 { 1.0 } else { CONSERVATIVE }
     }
 
-    /// How fast balls that overlap, and are at rest beside each other, part at least, px/s; 0 where they do not.
+    /// The least speed, px/s, at which balls that overlap at relative rest part; 0 where they do not.
     fn least_parting(&self, meeting: &Meeting, reach: f64) -> f64 {
         // Nearly all only touch; no root is taken of them.
         let touching = meeting.distance.length_squared() >= (1.0 - DEEP) * reach * reach;

@@ -73,8 +73,9 @@ pub(super) struct Exact {
     hits: usize,
     /// Balls of which it is known what comes next: less than all at the very beginning alone.
     begun: usize,
-    /// When the events began that came since at one time, as good as, s since the year began, and how many they are.
+    /// When the present run of events at one time, as good as, began, s since the year began.
     instant: f64,
+    /// How many events it has had so far.
     at_once: usize,
     /// Whether a ball that was looked at since this was cleared touches another one.
     beside: bool,
@@ -96,8 +97,8 @@ const HITS_PER_YEAR: f64 = 1.0;
 const FEWEST: usize = 64;
 /// Times no farther apart than this, s, are one: a frame's time is not known better.
 const INSTANT: f64 = 1.0 / (1_u64 << 46) as f64;
-/// Events at one time, in all and for each ball, above which balls have no room to move at all: hits that would go on for
-/// ever take all their speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
+/// Events at one time, in all and for each ball, above which balls have no room to move at all: hits that would go on
+/// for ever take all their speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
 const MOST_AT_ONCE: (usize, usize) = (1 << 16, 64);
 /// A ball that hit another more slowly than so many times the rest speed leans on it, for as long as so many hops at
 /// the rest speed: what lies on others is shown as touching them between its hops, too.

@@ -1,11 +1,12 @@
 //! Balls that are held against each other come to rest as a group.
 //!
-//! What lies on others would hit them without end: the load of a pile of n layers comes through n times as many impacts as
-//! that of one ball. So a ball that has chattered for long asks for its group, all balls that touch each other there, and
-//! two questions are answered for all of them at once. First, what becomes of their velocities when the impacts that are
-//! left take all approach: so a ball is stopped in a wedge, and a row between walls. Second, whether forces at their contacts
-//! can balance gravity. Balls that are in balance and slow stand still from then on: they are *held*, until something
-//! hits them firmly, or one that they touch is freed, or the balance is lost when another ball joins the group.
+//! What lies on others would hit them without end: the load of a pile of n layers comes through n times as many impacts
+//! as that of one ball. So a ball that has chattered for long asks for its group, all balls that touch each other
+//! there, and two questions are answered for all of them at once. First, what becomes of their velocities when the
+//! impacts that are left take all approach: so a ball is stopped in a wedge, and a row between walls. Second, whether
+//! forces at their contacts can balance gravity. Balls that are in balance and slow stand still from then on: they are
+//! *held*, until something hits them firmly, or one that they touch is freed, or the balance is lost when another ball
+//! joins the group.
 
 use glam::DVec2;
 
@@ -84,7 +85,7 @@ struct Group {
     members: Vec<Member>,
     inverse_masses: Vec<f64>,
     velocities: Vec<DVec2>,
-    /// What is left of the members' accelerations.
+    /// The members' accelerations, px/s²: gravity, then what the pushes at the contacts leave of it.
     pulls: Vec<DVec2>,
     contacts: Vec<Contact>,
 }
@@ -249,8 +250,8 @@ impl Exact {
         self.propped.retain(|&(ball, _)| ball as usize != slot);
     }
 
-    /// Frees a held ball that is hit, with the held ones that it touches, and in turn those that lie on them or beside them.
-    /// Whoever hits it finds out what comes next for the ball itself.
+    /// Frees a held ball that is hit, with the held ones that it touches, and in turn those that lie on them or beside
+    /// them. Whoever hits it finds out what comes next for the ball itself.
     pub(super) fn free<N: Needs>(&mut self, hit: usize, now: f64) {
         let mut freed = vec![hit];
         let touch = 2.0 * self.touch();
@@ -299,7 +300,7 @@ impl Contact {
 }
 
 impl Group {
-    /// Takes a ball in; its place in the group.
+    /// Takes a ball in, and returns its place in the group.
     fn add(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), mass: f64, gravity: DVec2) -> usize {
         self.members.push(Member { slot, position, deep: false, stays: false });
         self.inverse_masses.push(mass.recip());
@@ -314,7 +315,8 @@ impl Group {
         self.contacts.push(Contact { one, against, normal, give, push: 0.0, pushes: false });
     }
 
-    /// Takes the approach from velocities, as impacts without restitution would in the end. How many steps it took.
+    /// Takes the approach from velocities, as impacts without restitution would in the end, and returns how many steps
+    /// it took.
     fn take_approach(&mut self) -> usize {
         let approaches = self.contacts.iter().map(|contact| -contact.parting(&self.velocities));
         let most = approaches.fold(0.0, f64::max);
@@ -333,7 +335,7 @@ impl Group {
         each.map(|(velocity, inverse_mass)| velocity.length_squared() / inverse_mass).sum()
     }
 
-    /// Looks for forces that balance gravity. How many steps it took.
+    /// Looks for forces that balance gravity, and returns how many steps it took.
     fn balance(&mut self, gravity: f64) -> usize {
         let precision = if self.contacts.len() <= FEW { 1e-14 } else { 0.1 * UNBALANCED };
         relieve(&mut self.pulls, &self.inverse_masses, &mut self.contacts, precision * gravity)
@@ -363,9 +365,10 @@ impl Group {
     }
 }
 
-/// Finds pushes at the contacts, none of which pulls, that leave the members' motions without approach: at first at all that
-/// do not part, then without those that would pull and with those that approach, and again (block pivoting, Portugal,
-/// Júdice & Vicente 1994). How many steps it took.
+/// Solves the linear complementarity problem of the contacts: finds pushes, none of which pulls, that leave the
+/// members' motions without approach, and returns how many steps it took. At first all contacts push that do not part,
+/// then those that would pull do not, and those that approach do, and again (block pivoting; Portugal, Júdice & Vicente
+/// 1994).
 fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
     let mut steps = 0;
     for contact in &mut *contacts {
@@ -394,8 +397,8 @@ fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contac
     steps
 }
 
-/// Finds the pushes after which there is no relative motion along any contact, up to `enough`, from those that there are: by
-/// preconditioned conjugate gradients (Hestenes & Stiefel 1952). How many steps it took.
+/// Finds the pushes after which there is no relative motion along any contact, up to `enough`, from those that there
+/// are, by preconditioned conjugate gradients (Hestenes & Stiefel 1952), and returns how many steps it took.
 fn solve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
     let most = 2 * contacts.len() + 20;
     let mut rests: Vec<f64> = contacts.iter().map(|contact| -contact.parting(motions)).collect();

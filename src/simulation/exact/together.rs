@@ -12,8 +12,8 @@ use crate::simulation::simultaneous::{Body, Contact, exchange};
 use super::flights::{Marks, Matter};
 use super::{Exact, LEAN, Needs};
 
-/// Balls touch where the square of their distance is greater than that at which they do by no more than this part:
-/// their times of impact round differently, and balls that part by so little do so within a time that no frame shows.
+/// Balls touch where the square of their distance exceeds that at which they touch by at most this part of it: their
+/// times of impact round differently, and balls that part by so little do so within a time that no frame shows.
 pub(super) const AT_HAND: f64 = 1e-11;
 /// Impacts at one time that are solved as one. More of them are taken one after the other.
 const MOST_TOGETHER: usize = 64;
@@ -28,10 +28,10 @@ struct Group {
 }
 
 impl Exact {
-    /// Makes one impact of that of two balls, which has just been taken, and of all that others which they touch have with
-    /// them, or with others again, at this time. The two had these velocities before.
+    /// Makes one impact of that of two balls, which has just been taken, and of all at this time that others which they
+    /// touch have with them or with further ones. The two had these velocities before.
     ///
-    /// Nothing changes where there are no others, or where any of them comes to rest.
+    /// Nothing changes where there are no others, or where any of them may come to rest.
     #[cold]
     pub(super) fn collide_together<N: Needs>(
         &mut self,
@@ -64,8 +64,8 @@ impl Exact {
         }
     }
 
-    /// All balls that meet these two, or each other, at this time; [`None`] where there are too many, or one of them may
-    /// come to rest.
+    /// All balls that meet these two, or each other, at this time; [`None`] where there are too many, or one may come
+    /// to rest.
     fn group<N: Needs>(&self, two: [(usize, DVec2); 2], now: f64) -> Option<Group> {
         let cells = self.cells.as_ref()?;
         let mut group = Group::default();
@@ -117,7 +117,8 @@ impl Exact {
         Some(group)
     }
 
-    /// Adds a ball with this velocity to a group; its place there, or [`None`] where walls or others hold it.
+    /// Adds a ball with this velocity to a group, and returns its place there, or [`None`] where walls or others hold
+    /// it.
     fn join<N: Needs>(&self, group: &mut Group, slot: usize, velocity: DVec2, now: f64) -> Option<usize> {
         let Matter { mass, .. } = *self.matter::<N>(slot);
         let marks = self.marks[slot];
