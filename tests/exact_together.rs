@@ -109,6 +109,34 @@ fn impacts_at_one_time_that_share_no_ball_stay_two() {
     assert_eq!(simulation.tally().impacts, 4);
 }
 
+#[test]
+fn an_impact_stands_where_rounding_hides_it_among_others_at_the_same_time() {
+    // A ball of a hundredth of a pixel flies into the midst of three, where 1e-13 px are the last digit: whether it has
+    // come to touch one of them when its time is there depends on the rounding of their places.
+    let radius = 0.01;
+    let tiny = |position: DVec2, velocity: DVec2, mass: f64| {
+        let ball = Ball::new(position, radius).and_then(|ball| ball.with_velocity(velocity));
+        ball.and_then(|ball| ball.with_mass(mass)).unwrap()
+    };
+    for trial in 0..1000 {
+        let any = |step: f64| (step * f64::from(trial)).fract();
+        let touching = DVec2::new(900.0 + 50.0 * any(0.618), 500.0 + 50.0 * any(0.755));
+        let along = DVec2::from_angle(std::f64::consts::TAU * any(0.57));
+        let mut balls = vec![tiny(touching - 0.25 * along, along, 1.0)];
+        balls.extend([(80_f64, 1.0), (0.0, 3.0), (-70.0, 3.0)].map(|(degrees, mass)| {
+            let direction = along.rotate(DVec2::from_angle(degrees.to_radians()));
+            tiny(touching + 2.0 * radius * direction, DVec2::ZERO, mass)
+        }));
+        let before: Vec<DVec2> = balls.iter().map(Ball::velocity).collect();
+        let mut simulation = exact(balls);
+        simulation.advance(0.25 + 1e-6).unwrap();
+        for (index, ball) in simulation.balls().iter().enumerate() {
+            let hit = simulation.touching()[index];
+            assert_eq!(hit, ball.velocity() != before[index], "ball {index} of trial {trial}");
+        }
+    }
+}
+
 /// Balls that come from all sides and touch the one in the middle at one time: their directions, speeds and masses.
 fn star() -> impl Strategy<Value = Vec<(DVec2, f64, f64)>> {
     let arm = (0.0..0.15_f64, 50.0..500.0_f64, -1.0..1.0_f64);

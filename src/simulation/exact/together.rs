@@ -31,7 +31,9 @@ impl Exact {
     /// Makes one impact of that of two balls, which has just been taken, and of all at this time that others which they
     /// touch have with them or with further ones. The two had these velocities before.
     ///
-    /// Nothing changes where there are no others, or where any of them may come to rest.
+    /// Nothing changes where there are no others, or where any of them may come to rest; nor where rounding hides that
+    /// the two touch, as it does where they are tiny and far from the origin: their impact stands, and may not be
+    /// undone.
     #[cold]
     pub(super) fn collide_together<N: Needs>(
         &mut self,
@@ -40,7 +42,8 @@ impl Exact {
         now: f64,
     ) {
         let Some(mut group) = self.group::<N>(two, now) else { return };
-        if group.contacts.len() < 2 {
+        let has_the_two = group.contacts.iter().any(|contact| (contact.first, contact.second) == (0, 1));
+        if !has_the_two || group.contacts.len() < 2 {
             return;
         }
         let Some(pushed) = exchange(&mut group.bodies, &group.contacts) else { return };
