@@ -11,6 +11,8 @@ const SECOND: f64 = (1_u128 << SECOND_BITS) as f64;
 /// Frames are shown at multiples of 2⁻⁴⁶ s, so that sums that differ by the rounding of their deltas (120 times 1/24
 /// and 300 times 1/60) show the same state.
 const SHOWN: u128 = 1 << 34;
+/// The same in seconds: times no farther apart than this are one, since a frame's time is not known better.
+pub(super) const INSTANT: f64 = SHOWN as f64 / SECOND;
 
 impl Clock {
     /// The time `seconds` later; `seconds` is not negative.

@@ -23,7 +23,7 @@ pub(super) struct Contact {
     pub first: usize,
     pub second: usize,
     /// From the second to the first, px: of any length, since a unit vector's rounding would make the energy drift.
-    pub distance: DVec2,
+    pub offset: DVec2,
     pub restitution: f64,
 }
 
@@ -38,13 +38,13 @@ const SETTLED: f64 = 4.0 * f64::EPSILON;
 /// The linear complementarity problem is solved by projected Gauss–Seidel sweeps, to rounding.
 pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usize> {
     let closing = |bodies: &[Body], contact: &Contact| {
-        (bodies[contact.second].velocity - bodies[contact.first].velocity).dot(contact.distance)
+        (bodies[contact.second].velocity - bodies[contact.first].velocity).dot(contact.offset)
     };
     let before = bodies.to_vec();
     let approaches: Vec<f64> = contacts.iter().map(|contact| closing(bodies, contact)).collect();
     let speeds = |contact: &Contact| {
         (bodies[contact.first].velocity.length() + bodies[contact.second].velocity.length())
-            * contact.distance.length()
+            * contact.offset.length()
     };
     let scale = contacts.iter().map(speeds).fold(0.0, f64::max);
     let mut impulses = vec![0.0; contacts.len()];
@@ -52,13 +52,13 @@ pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usiz
         let mut largest = 0.0_f64;
         for ((contact, impulse), approach) in contacts.iter().zip(&mut impulses).zip(&approaches) {
             let (first, second) = (bodies[contact.first], bodies[contact.second]);
-            let give = contact.distance.length_squared() * (first.inverse_mass + second.inverse_mass);
+            let give = contact.offset.length_squared() * (first.inverse_mass + second.inverse_mass);
             let short = closing(bodies, contact) + contact.restitution * approach;
             let change = (*impulse + short / give).max(0.0) - *impulse;
             *impulse += change;
             largest = largest.max(change.abs() * give);
-            bodies[contact.first].velocity += contact.distance * (change * first.inverse_mass);
-            bodies[contact.second].velocity -= contact.distance * (change * second.inverse_mass);
+            bodies[contact.first].velocity += contact.offset * (change * first.inverse_mass);
+            bodies[contact.second].velocity -= contact.offset * (change * second.inverse_mass);
         }
         if largest <= SETTLED * scale {
             // Anew and in one go: the roundings of all sweeps have added up.
@@ -66,8 +66,8 @@ pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usiz
             for (contact, &impulse) in contacts.iter().zip(&impulses) {
                 let (first, second) =
                     (before[contact.first].inverse_mass, before[contact.second].inverse_mass);
-                bodies[contact.first].velocity += contact.distance * (impulse * first);
-                bodies[contact.second].velocity -= contact.distance * (impulse * second);
+                bodies[contact.first].velocity += contact.offset * (impulse * first);
+                bodies[contact.second].velocity -= contact.offset * (impulse * second);
             }
             return Some(impulses.iter().filter(|&&impulse| impulse > 0.0).count());
         }

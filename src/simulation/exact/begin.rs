@@ -10,7 +10,7 @@ use crate::simulation::world::{Pairs, World};
 use super::calendar::Calendar;
 use super::cells::Cells;
 use super::flights::{Flight, Marks, Matter};
-use super::{Exact, Needs, SPANS, impacts};
+use super::{Exact, LONGEST_YEAR, Needs, SHORTEST_YEAR, impacts};
 
 /// What balls move at most between two hits that are chatter, as a part of the smallest radius.
 const CHATTER_LENGTH: f64 = 1e-3;
@@ -65,7 +65,7 @@ impl Exact {
         };
         if several && world.pairs.is_some() {
             let cells = Cells::new(world, &radii);
-            exact.ids.sort_by_cached_key(|&id| cells.order(id as usize, balls[id as usize].position));
+            exact.ids.sort_by_cached_key(|&id| cells.morton_code(id as usize, balls[id as usize].position));
             // Anew, since the balls have another order now.
             let radii: Vec<f64> = exact.in_order(balls).map(|ball| ball.radius).collect();
             exact.cells = Some(Cells::new(world, &radii));
@@ -152,7 +152,7 @@ fn first_span(world: &World, balls: &[Ball]) -> f64 {
     let free = (world.size.x * world.size.y / count).sqrt();
     let speed = energy.sqrt() + (world.gravity.unwrap_or_default().length() * free).sqrt();
     // By comparison, not by a logarithm, whose last bit differs from machine to machine.
-    let spans = std::iter::successors(Some(SPANS.0), |span| Some(span * 2.0));
+    let spans = std::iter::successors(Some(SHORTEST_YEAR), |span| Some(span * 2.0));
     // Where nothing moves any length will do.
-    spans.take_while(|&span| span < SPANS.1).find(|span| span * speed >= free).unwrap_or(1.0)
+    spans.take_while(|&span| span < LONGEST_YEAR).find(|span| span * speed >= free).unwrap_or(1.0)
 }

@@ -13,7 +13,7 @@ use crate::simulation::world::World;
 use super::Needs;
 
 /// The most balls for which one cell, all pairs and no crossings, is enough.
-const FEW: usize = 16;
+const MOST_IN_ONE_CELL: usize = 16;
 /// The end of a cell's list.
 pub(super) const END: u32 = u32::MAX;
 /// The finest cells are at most so many to a ball: an empty world needs no more.
@@ -92,7 +92,7 @@ impl Cells {
         let shifts = (0..15).find(|&shift| ratio <= ONE_LEVEL * f64::from(1_u32 << shift)).unwrap_or(15);
         let width = roomy.max(largest / f64::from(1_u32 << shifts));
         let several = (world.size / width).floor().clamp(DVec2::ONE, DVec2::splat(MOST));
-        let (finest, shifts) = if count <= FEW { (DVec2::ONE, 0) } else { (several, shifts) };
+        let (finest, shifts) = if count <= MOST_IN_ONE_CELL { (DVec2::ONE, 0) } else { (several, shifts) };
         let mut cells = Self {
             levels: Vec::new(),
             width: world.size / finest,
@@ -134,7 +134,7 @@ impl Cells {
     }
 
     /// A number for which places that are near each other mostly have near values (Morton 1966).
-    pub(super) fn order(&self, ball: usize, position: DVec2) -> u64 {
+    pub(super) fn morton_code(&self, ball: usize, position: DVec2) -> u64 {
         let shift = self.levels[self.level(ball)].shift;
         let Place { column, row } = self.place(ball, position);
         let spread = |number: u16| {

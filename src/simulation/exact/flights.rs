@@ -115,7 +115,13 @@ impl Matter {
     }
 }
 
-/// What a ball is doing, a bit each.
+/// What a ball is doing. The bits, from the lowest up:
+///
+/// - 0 and 1: [`rests`](Self::rests), one for each axis;
+/// - 2, 3, 4 and 7: [`HIT`](Self::HIT), [`STRUCK`](Self::STRUCK), [`LEANS`](Self::LEANS) and [`HELD`](Self::HELD);
+/// - 5 and 6: the axis and the side of the [`border`](Self::border);
+/// - 8 to 11: [`quick_hits`](Self::quick_hits);
+/// - 12 to 15: [`chatter`](Self::chatter).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Marks(u16);
 
@@ -126,16 +132,17 @@ impl Marks {
     pub(super) const STRUCK: Self = Self(8);
     /// Its last impact was on another ball, and slow: it leans on it.
     pub(super) const LEANS: Self = Self(16);
+    /// It is held by others, and stands still (see `settle`).
+    pub(super) const HELD: Self = Self(128);
+    /// As many quick hits as are counted, in four bits.
+    const MOST_QUICK: u16 = 15;
+    /// As much chatter as is counted, in four bits.
+    pub(super) const MOST_CHATTER: u16 = 15;
 
     /// It rests on a wall across this axis.
     pub(super) fn rests_on(axis: usize) -> Self {
         Self(1 << axis)
     }
-
-    /// It is held by others, and stands still (see `settle`).
-    pub(super) const HELD: Self = Self(128);
-    /// As much chatter as is counted.
-    pub(super) const MOST_CHATTER: u16 = 15;
 
     /// On which axes it rests, a bit each: a number from 0 to 3.
     #[inline]
@@ -154,17 +161,17 @@ impl Marks {
         self.0 = self.0 & !0x60 | (axis as u16) << 5 | u16::from(up) << 6;
     }
 
-    /// How many impacts it has had one soon after the other, up to 15.
+    /// How many impacts it has had one soon after the other, up to [`MOST_QUICK`](Self::MOST_QUICK).
     #[inline]
     pub(super) fn quick_hits(self) -> u16 {
-        self.0 >> 8 & 15
+        self.0 >> 8 & Self::MOST_QUICK
     }
 
     /// Notes an impact, soon after the one before or not.
     #[inline]
     pub(super) fn strike(&mut self, soon: bool) {
-        let hits = if soon { (self.quick_hits() + 1).min(15) } else { 0 };
-        self.0 = self.0 & !(15 << 8) | hits << 8 | Self::STRUCK.0;
+        let hits = if soon { (self.quick_hits() + 1).min(Self::MOST_QUICK) } else { 0 };
+        self.0 = self.0 & !(Self::MOST_QUICK << 8) | hits << 8 | Self::STRUCK.0;
     }
 
     /// How many impacts it has had in a row that were chatter, up to [`MOST_CHATTER`](Self::MOST_CHATTER).
@@ -177,7 +184,7 @@ impl Marks {
     #[inline]
     pub(super) fn note_chatter(&mut self, chatters: bool) {
         let hits = if chatters { (self.chatter() + 1).min(Self::MOST_CHATTER) } else { 0 };
-        self.0 = self.0 & !(15 << 12) | hits << 12;
+        self.0 = self.0 & !(Self::MOST_CHATTER << 12) | hits << 12;
     }
 
     /// Forgets the chatter so far.

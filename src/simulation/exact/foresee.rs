@@ -42,7 +42,7 @@ impl Exact {
     #[inline]
     pub(super) fn foresee_both<N: Needs>(&mut self, one: usize, other: usize, now: f64) {
         // All but always they part now, in straight flight beside each other: that needs no proof by the roots, twice.
-        let beside = !N::GRAVITY || self.marks[one].rests() == self.marks[other].rests();
+        let beside = !N::HOLDS || self.marks[one].rests() == self.marks[other].rests();
         let parts = beside && !N::DETECT && self.pair::<N>(one, other, now).parts_from_touch();
         self.foresee_without::<N>(one, parts.then_some(other), now);
         self.foresee_without::<N>(other, parts.then_some(one), now);
@@ -76,7 +76,7 @@ impl Exact {
 
     /// Reads what the events of the open day will look at. Each of them alone would wait for memory; asked for all at
     /// once, with no branch between, it answers many times as fast.
-    pub(super) fn fetch(&mut self) {
+    pub(super) fn prefetch(&mut self) {
         let Some(cells) = &self.cells else { return };
         self.near.clear();
         for &Entry { time, ball } in self.calendar.today() {
@@ -122,7 +122,7 @@ impl Exact {
     /// that is `crossed`.
     #[inline]
     fn ahead<N: Needs>(&self, slot: usize, now: f64, crossed: Option<Border>) -> Ahead {
-        if !N::GRAVITY {
+        if !N::HOLDS {
             return self.straight_ahead::<N>(slot);
         }
         let mut ahead = Ahead::NOTHING;
@@ -230,7 +230,7 @@ impl Exact {
         let (their_position, their_velocity) = self.state::<N>(other, now);
         let (slow, dull) = if self.wedged() { (0.0, self.rest_speed) } else { (self.rest_speed, 0.0) };
         Pair {
-            distance: their_position - position,
+            offset: their_position - position,
             velocity: their_velocity - velocity,
             reach: self.matter::<N>(slot).radius + self.matter::<N>(other).radius,
             own: velocity,
@@ -254,7 +254,7 @@ impl Exact {
         let pair = |other: usize| self.pair::<N>(slot, other, now);
         let inside = |other: usize| N::DETECT && self.overlap(slot, other);
         let mut first = First { time: flight.impact, partner: END, touches: false };
-        let mut accelerated = Few::default();
+        let mut accelerated = Postponed::default();
         let meet_accelerated = |other: usize, first: &mut First| {
             let pair = pair(other);
             if pair.are_within(AT_HAND) {
@@ -274,9 +274,9 @@ impl Exact {
         cells.for_each_near::<N>(slot, except, flight.place, crossed, |other| {
             near += 1;
             let held = |slot: usize| self.marks[slot].rests() == 3;
-            if N::GRAVITY && held(slot) && held(other) {
+            if N::HOLDS && held(slot) && held(other) {
                 // Neither moves: they never meet.
-            } else if N::GRAVITY && self.marks[slot].rests() != self.marks[other].rests() {
+            } else if N::HOLDS && self.marks[slot].rests() != self.marks[other].rests() {
                 // These cost most, and least where there is little time left: they come last.
                 if !accelerated.push(other) {
                     meet_accelerated(other, &mut first);
@@ -298,7 +298,7 @@ impl Exact {
             meet_accelerated(other, &mut first);
         }
         self.beside |= first.touches;
-        if N::GRAVITY {
+        if N::HOLDS {
             self.unwatched += near / NEAR_PER_EVENT;
         }
         if first.partner != END {
@@ -335,14 +335,14 @@ impl First {
     }
 }
 
-/// A few slots.
+/// A few slots that are looked at last.
 #[derive(Debug, Clone, Default)]
-struct Few {
+struct Postponed {
     slots: [usize; 16],
     count: usize,
 }
 
-impl Few {
+impl Postponed {
     /// Keeps a slot, if there is room.
     fn push(&mut self, slot: usize) -> bool {
         let room = self.count < self.slots.len();

@@ -40,7 +40,7 @@ const AT_THE_WALL: f64 = 1e-12;
 
 /// Two balls that touch: the position and the velocity of the one relative to the other.
 struct Meeting {
-    distance: DVec2,
+    offset: DVec2,
     velocity: DVec2,
 }
 
@@ -48,19 +48,19 @@ impl Meeting {
     /// Whether they approach each other more slowly than this, px/s, or part.
     #[inline]
     fn slower_than(&self, speed: f64) -> bool {
-        let closing = -self.velocity.dot(self.distance);
-        closing <= 0.0 || closing * closing < speed * speed * self.distance.length_squared()
+        let closing = -self.velocity.dot(self.offset);
+        closing <= 0.0 || closing * closing < speed * speed * self.offset.length_squared()
     }
 
     /// The same meeting as it counts if they must part at `least`, px/s, whatever restitution makes of their approach.
     fn parting_at(&self, least: f64, e: f64) -> Self {
-        let Self { distance, velocity } = *self;
-        let length = distance.length().max(f64::MIN_POSITIVE);
-        let approach = -velocity.dot(distance) / length;
+        let Self { offset, velocity } = *self;
+        let length = offset.length().max(f64::MIN_POSITIVE);
+        let approach = -velocity.dot(offset) / length;
         // The impact will change the velocity by (1 + e) times the approach.
         let faster = (approach.max(0.0) + least) / (1.0 + e);
-        let velocity = if e * approach < least { distance * (-faster / length) } else { velocity };
-        Self { distance, velocity }
+        let velocity = if e * approach < least { offset * (-faster / length) } else { velocity };
+        Self { offset, velocity }
     }
 }
 
@@ -139,7 +139,7 @@ impl Exact {
         }
         let sign = if high { 1.0 } else { -1.0 };
         let (before, speed) = (velocity[axis], sign * velocity[axis]);
-        let pressed = N::GRAVITY && sign * self.gravity[axis] > 0.0;
+        let pressed = N::HOLDS && sign * self.gravity[axis] > 0.0;
         let chatter_speed = self.chatter_speed(slot, now);
         let rests = self.jams(radius, axis) || (pressed && self.too_slow(speed));
         velocity[axis] = if rests { 0.0 } else { -before * self.wall_restitution(speed < chatter_speed) };
@@ -180,11 +180,11 @@ impl Exact {
     /// Takes the impact of two balls, and those that others which they touch have with them at this time.
     pub(super) fn collide<N: Needs>(&mut self, tally: &mut Tally, one: usize, other: usize, now: f64) {
         let ((p1, v1), (p2, v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
-        let mut meeting = Meeting { distance: p1 - p2, velocity: v1 - v2 };
-        if meeting.distance == DVec2::ZERO {
-            meeting.distance = any_direction(one, other);
+        let mut meeting = Meeting { offset: p1 - p2, velocity: v1 - v2 };
+        if meeting.offset == DVec2::ZERO {
+            meeting.offset = any_direction(one, other);
         }
-        if N::GRAVITY && !meeting.slower_than(FIRM * self.rest_speed) {
+        if N::HOLDS && !meeting.slower_than(FIRM * self.rest_speed) {
             for slot in [one, other] {
                 if self.marks[slot].has(Marks::HELD) {
                     self.free::<N>(slot, now);
@@ -194,26 +194,26 @@ impl Exact {
         let matter = |slot: usize| {
             let matter = *self.matter::<N>(slot);
             // What is held does not give way.
-            let held = N::GRAVITY && self.marks[slot].has(Marks::HELD);
+            let held = N::HOLDS && self.marks[slot].has(Marks::HELD);
             Matter { mass: if held { f64::INFINITY } else { matter.mass }, ..matter }
         };
         let (first, second) = (&matter(one), &matter(other));
         let leans = meeting.slower_than(LEAN * self.rest_speed);
         let least = self.least_parting(&meeting, first.radius + second.radius);
         let restitution = if self.wedged() { 0.0 } else { first.restitution.min(second.restitution) };
-        if N::GRAVITY && self.wedged() && (first.is_fixed() || second.is_fixed()) {
+        if N::HOLDS && self.wedged() && (first.is_fixed() || second.is_fixed()) {
             return self.hold::<N>(tally, one, other, now);
         }
         // That another ball has hit a fixed one a moment before says nothing: it has not moved.
         let chatter_of = |slot, matter: &Matter| {
-            if N::GRAVITY && matter.is_fixed() { 0.0 } else { self.chatter_speed(slot, now) }
+            if N::HOLDS && matter.is_fixed() { 0.0 } else { self.chatter_speed(slot, now) }
         };
         let may_chatter = restitution < 1.0 && !self.wedged();
         let chatters = |slot, matter| may_chatter && meeting.slower_than(chatter_of(slot, matter));
         let chatter = (chatters(one, first), chatters(other, second));
         let e = if chatter.0 || chatter.1 { 1.0 } else { restitution };
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
-        let pressed = N::GRAVITY && self.pulls[rests1] != self.pulls[rests2];
+        let pressed = N::HOLDS && self.pulls[rests1] != self.pulls[rests2];
         let plain = least == 0.0 && !chatter.0 && !chatter.1 && !self.wedged();
         let (meeting, e) = if pressed || least > 0.0 {
             let hop = if pressed && !self.wedged() { self.least_hop(restitution) } else { 0.0 };
@@ -221,24 +221,24 @@ impl Exact {
         } else {
             (meeting, e)
         };
-        let (c1, c2) = if N::GRAVITY && (rests1 | rests2) != 0 {
+        let (c1, c2) = if N::HOLDS && (rests1 | rests2) != 0 {
             self.hit_held(one, other, &meeting, (first, second), e)
         } else {
             let shares = if N::ALIKE { (0.5, 0.5) } else { shares(first.mass, second.mass) };
-            exact_impact(meeting.distance, meeting.velocity, shares, e)
+            exact_impact(meeting.offset, meeting.velocity, shares, e)
         };
         for (slot, position, velocity, change, chatters) in
             [(one, p1, v1, c1, chatter.0), (other, p2, v2, c2, chatter.1)]
         {
             let marks = &mut self.marks[slot];
-            if N::GRAVITY {
+            if N::HOLDS {
                 // A ball that is given a speed across the wall it rests on flies again.
                 (0..2)
                     .filter(|&axis| change[axis] != 0.0)
                     .for_each(|axis| marks.set(Marks::rests_on(axis), false));
             }
             marks.set(Marks::HIT, true);
-            if !(N::GRAVITY && marks.has(Marks::HELD)) {
+            if !(N::HOLDS && marks.has(Marks::HELD)) {
                 marks.set(Marks::LEANS, leans);
                 marks.note_chatter(chatters);
             }
@@ -278,14 +278,14 @@ impl Exact {
         &self,
         one: usize,
         other: usize,
-        &Meeting { distance, velocity }: &Meeting,
+        &Meeting { offset, velocity }: &Meeting,
         (first, second): (&Matter, &Matter),
         e: f64,
     ) -> (DVec2, DVec2) {
-        let free = exact_impact(distance, velocity, shares_with_fixed(first, second), e);
-        let yields =
+        let free = exact_impact(offset, velocity, shares_with_fixed(first, second), e);
+        let inverse_masses =
             (self.gives(one, first, free.0) / first.mass, self.gives(other, second, free.1) / second.mass);
-        held_impact(distance, velocity, yields, e)
+        held_impact(offset, velocity, inverse_masses, e)
     }
 
     /// The least speed, px/s, at which a ball parts from one that rests: slower, gravity would close the contact again
@@ -297,12 +297,12 @@ impl Exact {
     /// The least speed, px/s, at which balls that overlap at relative rest part; 0 where they do not.
     fn least_parting(&self, meeting: &Meeting, reach: f64) -> f64 {
         // Nearly all only touch; no root is taken of them.
-        let touching = meeting.distance.length_squared() >= (1.0 - DEEP) * reach * reach;
+        let touching = meeting.offset.length_squared() >= (1.0 - DEEP) * reach * reach;
         if touching || self.wedged() || !meeting.slower_than(self.rest_speed) {
             return 0.0;
         }
-        let Meeting { distance, velocity } = *meeting;
-        Pair { distance, velocity, reach, own: DVec2::ZERO, slow: 0.0, dull: 0.0 }.least_parting()
+        let Meeting { offset, velocity } = *meeting;
+        Pair { offset, velocity, reach, own: DVec2::ZERO, slow: 0.0, dull: 0.0 }.least_parting()
     }
 
     /// Along which axes a ball can take a change of velocity: 0 where it would be pressed into the wall it rests on.

@@ -26,7 +26,7 @@ use std::fmt::Debug;
 
 use glam::DVec2;
 
-use super::clock::Clock;
+use super::clock::{Clock, INSTANT};
 use super::world::World;
 use super::{Advance, Frame, Part, Tally};
 use calendar::{Calendar, Dawn, Entry};
@@ -95,16 +95,18 @@ pub(super) struct Exact {
 const HITS_PER_YEAR: f64 = 1.0;
 /// A year is made for this many balls at least.
 const FEWEST: usize = 64;
-/// Times no farther apart than this, s, are one: a frame's time is not known better.
-const INSTANT: f64 = 1.0 / (1_u64 << 46) as f64;
-/// Events at one time, in all and for each ball, above which balls have no room to move at all: hits that would go on
-/// for ever take all their speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
-const MOST_AT_ONCE: (usize, usize) = (1 << 16, 64);
+/// Events at one time above which balls have no room to move at all: hits that would go on for ever take all their
+/// speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
+const MOST_AT_ONCE: usize = 1 << 16;
+/// The same for each ball, where that is more in all.
+const MOST_AT_ONCE_PER_BALL: usize = 64;
 /// A ball that hit another more slowly than so many times the rest speed leans on it, for as long as so many hops at
 /// the rest speed: what lies on others is shown as touching them between its hops, too.
 const LEAN: f64 = 8.0;
-/// The shortest and the longest year, s.
-const SPANS: (f64, f64) = (1.0 / (1_u64 << 58) as f64, 16.0);
+/// The shortest year, s.
+const SHORTEST_YEAR: f64 = 1.0 / (1_u64 << 58) as f64;
+/// The longest year, s.
+const LONGEST_YEAR: f64 = 16.0;
 /// The most events that are saved up for the search for groups at rest.
 const MOST_CREDIT: i64 = 1024;
 /// So many balls and their cells do not stay in the caches near the processor.
@@ -115,17 +117,17 @@ const EVENTS_PER_LOOK: u32 = 256;
 /// What a simulation needs of the solver, decided when that is made: code for the rest is not even compiled in.
 trait Needs {
     /// Balls are accelerated, and may rest on walls, be held between them or be fixed.
-    const GRAVITY: bool;
+    const HOLDS: bool;
     /// All balls have one radius, mass and restitution.
     const ALIKE: bool;
     /// They fly through each other.
     const DETECT: bool;
 }
 
-struct Need<const GRAVITY: bool, const ALIKE: bool, const DETECT: bool>;
+struct Need<const HOLDS: bool, const ALIKE: bool, const DETECT: bool>;
 
 impl<const G: bool, const A: bool, const D: bool> Needs for Need<G, A, D> {
-    const GRAVITY: bool = G;
+    const HOLDS: bool = G;
     const ALIKE: bool = A;
     const DETECT: bool = D;
 }
@@ -151,7 +153,7 @@ impl Exact {
     /// A ball's acceleration.
     #[inline]
     fn pull<N: Needs>(&self, slot: usize) -> DVec2 {
-        if N::GRAVITY { self.pulls[self.marks[slot].rests()] } else { DVec2::ZERO }
+        if N::HOLDS { self.pulls[self.marks[slot].rests()] } else { DVec2::ZERO }
     }
 
     /// Position and velocity of a ball now.
@@ -159,7 +161,7 @@ impl Exact {
     fn state<N: Needs>(&self, slot: usize, now: f64) -> (DVec2, DVec2) {
         let flight = &self.flights[slot];
         // Adding a gravity of zero would take time, too.
-        if N::GRAVITY { flight.at(now, self.pull::<N>(slot)) } else { flight.straight(now) }
+        if N::HOLDS { flight.at(now, self.pull::<N>(slot)) } else { flight.straight(now) }
     }
 
     /// Whether the caller's watch says so; it is looked at now and then.
@@ -221,7 +223,7 @@ impl Exact {
                 return Some(Pause::NewYear(day));
             }
             if self.flights.len() > MANY {
-                self.fetch();
+                self.prefetch();
             }
         }
     }
@@ -272,12 +274,12 @@ impl Exact {
         let balls = self.flights.len().max(FEWEST) as f64;
         let suggested = HITS_PER_YEAR * balls * time / self.hits.max(1) as f64;
         // Where not even a moment has passed, that says no more than that the year was far too long.
-        let shortest = SPANS.0.max(self.span / calendar::MOMENTS);
+        let shortest = SHORTEST_YEAR.max(self.span / calendar::MOMENTS);
         while self.span > 1.5 * suggested && self.span > shortest {
             self.span /= 2.0;
         }
         // Only once: a year without impacts says little of the next.
-        if self.span < 0.75 * suggested && self.span < SPANS.1 {
+        if self.span < 0.75 * suggested && self.span < LONGEST_YEAR {
             self.span *= 2.0;
         }
         self.hits = 0;
@@ -298,7 +300,7 @@ impl Exact {
         for (slot, flight) in self.flights.iter().enumerate() {
             let (ball, marks) = (self.ids[slot] as usize, &mut self.marks[slot]);
             (frame.balls[ball].position, frame.balls[ball].velocity) =
-                if N::GRAVITY { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
+                if N::HOLDS { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
             let leans = marks.has(Marks::LEANS) && (marks.has(Marks::HELD) || now - flight.time < lean);
             let inside = self.overlaps.as_ref().is_some_and(|overlaps| !overlaps[slot].is_empty());
             frame.touching[ball] = leans || inside || marks.has(Marks::HIT);
@@ -311,7 +313,7 @@ impl Exact {
 
     /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.
     fn wedged(&self) -> bool {
-        self.at_once > MOST_AT_ONCE.0.max(MOST_AT_ONCE.1 * self.flights.len())
+        self.at_once > MOST_AT_ONCE.max(MOST_AT_ONCE_PER_BALL * self.flights.len())
     }
 
     fn advance_as<N: Needs>(

@@ -41,7 +41,7 @@ const STUCK: usize = 1000;
 /// Balls that are in so many others each are no group that could rest: it would take long to find out.
 const MOST_CONTACTS: usize = 8;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
-const FEW: usize = 32;
+const FEW_CONTACTS: usize = 32;
 /// No place in a group.
 const NONE: u32 = u32::MAX;
 
@@ -86,7 +86,7 @@ struct Group {
     inverse_masses: Vec<f64>,
     velocities: Vec<DVec2>,
     /// The members' accelerations, px/s²: gravity, then what the pushes at the contacts leave of it.
-    pulls: Vec<DVec2>,
+    accelerations: Vec<DVec2>,
     contacts: Vec<Contact>,
 }
 
@@ -166,7 +166,7 @@ impl Exact {
     }
 
     /// How near balls are that touch, px: twice as far as one at the rest speed hops from another.
-    fn touch(&self) -> f64 {
+    fn touch_distance(&self) -> f64 {
         (0.5 * self.rest_speed * self.chatter_time).min(self.chatter_length)
     }
 
@@ -175,7 +175,7 @@ impl Exact {
         let mut group = Group::default();
         let mut found = std::mem::take(&mut self.found);
         found.resize(self.flights.len(), NONE);
-        let touch = self.touch();
+        let touch = self.touch_distance();
         let add = |group: &mut Group, slot: usize| {
             group.add(slot, self.state::<N>(slot, now), self.matter::<N>(slot).mass, self.gravity) as u32
         };
@@ -189,7 +189,7 @@ impl Exact {
                 let place = position[axis];
                 let gap = if high { self.size[axis] - radius - place } else { place - radius };
                 if self.walls.is_some() && gap < touch {
-                    group.touch(at, Support::Wall, DVec2::AXES[axis] * if high { -1.0 } else { 1.0 });
+                    group.add_contact(at, Support::Wall, DVec2::AXES[axis] * if high { -1.0 } else { 1.0 });
                 }
             }
             let Some(cells) = self.cells.as_ref().filter(|_| !N::DETECT) else { break };
@@ -200,12 +200,12 @@ impl Exact {
                 }
                 let (their_position, their_velocity) = self.state::<N>(slot, now);
                 let matter = self.matter::<N>(slot);
-                let distance = position - their_position;
-                let (length, reach) = (distance.length(), radius + matter.radius);
+                let offset = position - their_position;
+                let (length, reach) = (offset.length(), radius + matter.radius);
                 if length - reach >= touch || length == 0.0 || restitution.min(matter.restitution) == 1.0 {
                     return;
                 }
-                let normal = distance / length;
+                let normal = offset / length;
                 let held = self.marks[slot].has(Marks::HELD);
                 let is_new = found[slot] == NONE && !matter.is_fixed();
                 if is_new {
@@ -220,7 +220,7 @@ impl Exact {
                 let place = found[slot];
                 let against =
                     if place == NONE { Support::Immovable(slot) } else { Support::Member(place as usize) };
-                group.touch(at, against, normal);
+                group.add_contact(at, against, normal);
                 if reach - length > DEEP * reach {
                     group.members[at].deep = true;
                     if let Support::Member(other) = against {
@@ -254,7 +254,7 @@ impl Exact {
     /// them. Whoever hits it finds out what comes next for the ball itself.
     pub(super) fn free<N: Needs>(&mut self, hit: usize, now: f64) {
         let mut freed = vec![hit];
-        let touch = 2.0 * self.touch();
+        let touch = 2.0 * self.touch_distance();
         let mut at = 0;
         while at < freed.len() {
             let one = freed[at];
@@ -266,10 +266,10 @@ impl Exact {
                 let Some(cells) = &self.cells else { break };
                 cells.for_each_near::<N>(one, None, place, None, |other| {
                     if self.marks[other].has(Marks::HELD) {
-                        let distance = self.flights[other].position - position;
+                        let offset = self.flights[other].position - position;
                         let reach = radius + self.matter::<N>(other).radius;
-                        let below = distance.dot(self.gravity) > BESIDE * reach * self.gravity.length();
-                        if distance.length() - reach < touch && (one == hit || !below) {
+                        let below = offset.dot(self.gravity) > BESIDE * reach * self.gravity.length();
+                        if offset.length() - reach < touch && (one == hit || !below) {
                             freed.push(other);
                         }
                     }
@@ -305,11 +305,11 @@ impl Group {
         self.members.push(Member { slot, position, deep: false, stays: false });
         self.inverse_masses.push(mass.recip());
         self.velocities.push(velocity);
-        self.pulls.push(gravity);
+        self.accelerations.push(gravity);
         self.members.len() - 1
     }
 
-    fn touch(&mut self, one: usize, against: Support, normal: DVec2) {
+    fn add_contact(&mut self, one: usize, against: Support, normal: DVec2) {
         let theirs = if let Support::Member(other) = against { self.inverse_masses[other] } else { 0.0 };
         let give = self.inverse_masses[one] + theirs;
         self.contacts.push(Contact { one, against, normal, give, push: 0.0, pushes: false });
@@ -337,25 +337,25 @@ impl Group {
 
     /// Looks for forces that balance gravity, and returns how many steps it took.
     fn balance(&mut self, gravity: f64) -> usize {
-        let precision = if self.contacts.len() <= FEW { 1e-14 } else { 0.1 * UNBALANCED };
-        relieve(&mut self.pulls, &self.inverse_masses, &mut self.contacts, precision * gravity)
+        let precision = if self.contacts.len() <= FEW_CONTACTS { 1e-14 } else { 0.1 * UNBALANCED };
+        relieve(&mut self.accelerations, &self.inverse_masses, &mut self.contacts, precision * gravity)
     }
 
     /// Chooses the members that stay: slow, in balance, and neither supported nor pressed by any but such as stay.
     /// What overlaps is to part first, unless it is `stuck`: there is no room.
     fn choose(&mut self, gravity: f64, rest_speed: f64, stuck: bool) {
-        let Self { members, velocities, pulls, contacts, .. } = self;
+        let Self { members, velocities, accelerations, contacts, .. } = self;
         let enough = UNBALANCED * gravity;
-        for ((member, velocity), pull) in members.iter_mut().zip(velocities).zip(&*pulls) {
+        for ((member, velocity), acceleration) in members.iter_mut().zip(velocities).zip(&*accelerations) {
             let still = if member.deep { stuck } else { velocity.length() <= rest_speed };
-            member.stays = still && pull.length() <= enough;
+            member.stays = still && acceleration.length() <= enough;
         }
         let mut found = false;
         while !found {
             found = true;
             for contact in &*contacts {
                 let Support::Member(other) = contact.against else { continue };
-                let counts = contact.push > 0.0 || contact.parting(pulls) < -enough;
+                let counts = contact.push > 0.0 || contact.parting(accelerations) < -enough;
                 if counts && members[contact.one].stays != members[other].stays {
                     (members[contact.one].stays, members[other].stays) = (false, false);
                     found = false;
@@ -401,33 +401,35 @@ fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contac
 /// are, by preconditioned conjugate gradients (Hestenes & Stiefel 1952), and returns how many steps it took.
 fn solve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
     let most = 2 * contacts.len() + 20;
-    let mut rests: Vec<f64> = contacts.iter().map(|contact| -contact.parting(motions)).collect();
-    let mut search = vec![0.0; contacts.len()];
+    let mut residuals: Vec<f64> = contacts.iter().map(|contact| -contact.parting(motions)).collect();
+    let mut directions = vec![0.0; contacts.len()];
     let mut moved = vec![DVec2::ZERO; motions.len()];
     let mut before = f64::INFINITY;
-    for step in 0..most {
-        if rests.iter().all(|rest| rest.abs() <= enough) {
-            return step;
+    for taken in 0..most {
+        if residuals.iter().all(|residual| residual.abs() <= enough) {
+            return taken;
         }
-        let squares = contacts.iter().zip(&rests).map(|(contact, rest)| rest * rest / contact.give);
+        let squares =
+            contacts.iter().zip(&residuals).map(|(contact, residual)| residual * residual / contact.give);
         let square = squares.sum::<f64>();
         moved.fill(DVec2::ZERO);
-        for ((contact, rest), search) in contacts.iter().zip(&rests).zip(&mut search) {
-            *search = rest / contact.give + square / before * *search;
-            contact.apply(*search, &mut moved, inverse_masses);
+        for ((contact, residual), direction) in contacts.iter().zip(&residuals).zip(&mut directions) {
+            *direction = residual / contact.give + square / before * *direction;
+            contact.apply(*direction, &mut moved, inverse_masses);
         }
         before = square;
-        let curves = contacts.iter().zip(&search).map(|(contact, search)| contact.parting(&moved) * search);
-        let curve = curves.sum::<f64>();
-        if curve <= 0.0 {
-            return step;
+        let curvatures =
+            contacts.iter().zip(&directions).map(|(contact, direction)| contact.parting(&moved) * direction);
+        let curvature = curvatures.sum::<f64>();
+        if curvature <= 0.0 {
+            return taken;
         }
-        let length = square / curve;
-        for ((contact, rest), search) in contacts.iter_mut().zip(&mut rests).zip(&search) {
-            contact.push += length * search;
-            *rest -= length * contact.parting(&moved);
+        let step = square / curvature;
+        for ((contact, residual), direction) in contacts.iter_mut().zip(&mut residuals).zip(&directions) {
+            contact.push += step * direction;
+            *residual -= step * contact.parting(&moved);
         }
-        motions.iter_mut().zip(&moved).for_each(|(motion, moved)| *motion += *moved * length);
+        motions.iter_mut().zip(&moved).for_each(|(motion, moved)| *motion += *moved * step);
     }
     most
 }

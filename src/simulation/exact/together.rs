@@ -92,7 +92,7 @@ impl Exact {
                 let (matter, theirs) = (self.matter::<N>(slot), self.matter::<N>(other));
                 let own = group.bodies[at].velocity;
                 let pair = Pair {
-                    distance: position - group.positions[at],
+                    offset: position - group.positions[at],
                     velocity: velocity - own,
                     reach: matter.radius + theirs.radius,
                     own,
@@ -103,9 +103,9 @@ impl Exact {
                     continue;
                 }
                 let restitution = matter.restitution.min(theirs.restitution);
-                let closing = -pair.velocity.dot(pair.distance) / pair.distance.length();
+                let closing = -pair.velocity.dot(pair.offset) / pair.offset.length();
                 // What hits slowly may chatter, and come to rest.
-                let rests = (N::GRAVITY || restitution < 1.0) && closing < LEAN * self.rest_speed;
+                let rests = (N::HOLDS || restitution < 1.0) && closing < LEAN * self.rest_speed;
                 if rests || group.contacts.len() == MOST_TOGETHER {
                     return None;
                 }
@@ -113,7 +113,7 @@ impl Exact {
                     Some(known) => known,
                     None => self.join::<N>(&mut group, other, velocity, now)?,
                 };
-                group.contacts.push(Contact { first: at, second, distance: -pair.distance, restitution });
+                group.contacts.push(Contact { first: at, second, offset: -pair.offset, restitution });
             }
             at += 1;
         }
@@ -126,7 +126,7 @@ impl Exact {
         let Matter { mass, .. } = *self.matter::<N>(slot);
         let marks = self.marks[slot];
         let fixed = mass == f64::INFINITY;
-        if N::GRAVITY && !fixed && (marks.rests() != 0 || marks.has(Marks::HELD)) {
+        if N::HOLDS && !fixed && (marks.rests() != 0 || marks.has(Marks::HELD)) {
             return None;
         }
         group.slots.push(slot);

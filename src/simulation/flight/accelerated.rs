@@ -15,7 +15,7 @@ impl Pair {
         if acceleration.length_squared() < WEAK * WEAK {
             return within(self.meet(), limit);
         }
-        let gap = self.distance.length() - self.reach;
+        let gap = self.offset.length() - self.reach;
         let span = limit.min(self.horizon(acceleration));
         // Most pairs are too far from each other to meet before something else happens.
         if gap > (self.velocity.length() + 0.5 * acceleration.length() * span) * span {
@@ -67,23 +67,23 @@ impl Pair {
 
     /// Whether they touch or overlap, and approach or are, at relative rest along their centres, pressed together.
     fn enters(&self, acceleration: DVec2) -> bool {
-        if self.distance.length() - self.reach > ROUNDING * self.reach {
+        if self.offset.length() - self.reach > ROUNDING * self.reach {
             return false;
         }
-        let b = self.distance.dot(self.velocity);
+        let b = self.offset.dot(self.velocity);
         // Half the second derivative of d²: what slides off fast enough is not held by the acceleration.
         let square = self.velocity.length_squared();
         let pressed = self.dull == 0.0;
         self.approaches(b)
             || (pressed
                 && !self.approaches(-b)
-                && square + self.distance.dot(acceleration) < -ROUNDING * square)
+                && square + self.offset.dot(acceleration) < -ROUNDING * square)
     }
 
     /// The time from which on the acceleration has carried them apart for good.
     fn horizon(&self, acceleration: DVec2) -> f64 {
         let (a, w) = (acceleration.length(), self.velocity.length());
-        let far = self.distance.length() + self.reach;
+        let far = self.offset.length() + self.reach;
         // ½at² = wt + far, and a little more.
         1.01 * (w + (w * w + 2.0 * a * far).sqrt()) / a
     }
@@ -102,8 +102,8 @@ struct Path<'a> {
 
 impl Path<'_> {
     fn at(&self, time: f64) -> (DVec2, DVec2) {
-        let Pair { distance, velocity, .. } = *self.pair;
-        (position(distance, velocity, self.acceleration, time), velocity + self.acceleration * time)
+        let Pair { offset, velocity, .. } = *self.pair;
+        (position(offset, velocity, self.acceleration, time), velocity + self.acceleration * time)
     }
 
     /// s² − |r|²: positive while they overlap.
@@ -123,7 +123,7 @@ impl Path<'_> {
     ///
     /// With h = (|r|² − s²)/2: h′ = r·r′ and h″ = w² + a·d + 3 (a·w) t + 1.5 a² t².
     fn meets_soon(&self, span: f64) -> Option<f64> {
-        let Pair { distance: d, velocity: w, reach, .. } = *self.pair;
+        let Pair { offset: d, velocity: w, reach, .. } = *self.pair;
         let a = self.acceleration;
         let (bend, slope) = (w.length_squared() + a.dot(d), d.dot(w));
         let height = 0.5 * (d.length_squared() - reach * reach);
@@ -168,7 +168,7 @@ impl Path<'_> {
     /// The times from 0 to `span` at which approach turns into parting or back: the roots of the cubic r·r′, which
     /// are separated by those of its derivative, a quadratic.
     fn turns(&self, span: f64) -> Turns {
-        let Pair { distance: d, velocity: w, .. } = *self.pair;
+        let Pair { offset: d, velocity: w, .. } = *self.pair;
         let a = self.acceleration;
         let mut bends = Turns::new();
         // r·r′ has the derivative w² + a·d + 3 (a·w) t + 1.5 a² t².

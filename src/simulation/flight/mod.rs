@@ -59,7 +59,7 @@ pub(super) fn arrive(distance: f64, velocity: f64) -> f64 {
     (distance / velocity).max(0.0)
 }
 
-/// Rounding of the relative distance and velocity, as a fraction of the sizes they were computed from.
+/// Rounding of the offset and the relative velocity, as a fraction of the sizes they were computed from.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Balls that touch approach each other faster than this part of their speeds, or not at all: where three are pressed
@@ -82,7 +82,7 @@ const SLOWEST: f64 = 1e-100;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pair {
     /// The position of the other relative to the one, px.
-    pub distance: DVec2,
+    pub offset: DVec2,
     /// The velocity of the other relative to the one, px/s.
     pub velocity: DVec2,
     /// The distance at which they touch, px.
@@ -106,7 +106,7 @@ impl Pair {
     #[inline]
     pub(super) fn meet(&self) -> f64 {
         if self.are_within(ROUNDING) {
-            return self.meet_at_once(self.distance.dot(self.velocity));
+            return self.meet_at_once(self.offset.dot(self.velocity));
         }
         self.meet_from_afar()
     }
@@ -114,10 +114,10 @@ impl Pair {
     /// The same where they do not touch.
     #[inline]
     pub(super) fn meet_from_afar(&self) -> f64 {
-        let b = self.distance.dot(self.velocity);
+        let b = self.offset.dot(self.velocity);
         let square = self.reach * self.reach;
-        let c = self.distance.length_squared() - square;
-        let across = self.distance.perp_dot(self.velocity);
+        let c = self.offset.length_squared() - square;
+        let across = self.offset.perp_dot(self.velocity);
         let discriminant = self.velocity.length_squared() * square - across * across;
         // Whether they meet is a toss that no processor can foretell: there is no branch for it.
         let parts = if b < 0.0 { 0.0 } else { NEVER };
@@ -131,12 +131,12 @@ impl Pair {
     #[inline]
     pub(super) fn are_within(&self, part: f64) -> bool {
         let square = self.reach * self.reach;
-        self.distance.length_squared() - square <= part * square
+        self.offset.length_squared() - square <= part * square
     }
 
     /// Whether they approach each other: what rounding makes of none is none.
     pub(super) fn closes_in(&self) -> bool {
-        self.approaches(self.distance.dot(self.velocity))
+        self.approaches(self.offset.dot(self.velocity))
     }
 
     /// Whether they touch, or are apart, and do not approach each other: then they never meet in straight flight.
@@ -144,16 +144,16 @@ impl Pair {
     pub(super) fn parts_from_touch(&self) -> bool {
         let square = self.reach * self.reach;
         // What overlaps deeply may be at rest.
-        let touches = self.distance.length_squared() - square > -DEEP * square;
-        touches && self.distance.dot(self.velocity) >= 0.0
+        let touches = self.offset.length_squared() - square > -DEEP * square;
+        touches && self.offset.dot(self.velocity) >= 0.0
     }
 
     /// When they stop overlapping, in straight flight, if they overlap now or touch and approach: the later root of
     /// |d + wt| = s. 0 where they do not overlap and part; [`NEVER`] where they overlap at relative rest.
     #[inline]
     pub(super) fn part(&self) -> f64 {
-        let b = self.distance.dot(self.velocity);
-        let c = self.distance.length_squared() - self.reach * self.reach;
+        let b = self.offset.dot(self.velocity);
+        let c = self.offset.length_squared() - self.reach * self.reach;
         if b >= 0.0 && c >= 0.0 {
             return 0.0;
         }
@@ -166,7 +166,7 @@ impl Pair {
     /// The least speed, px/s, at which the two are to part where they overlap at relative rest; 0 where they do not
     /// overlap by more than rounding.
     pub(super) fn least_parting(&self) -> f64 {
-        let depth = self.reach - self.distance.length();
+        let depth = self.reach - self.offset.length();
         let fastest = self.reach * FASTEST_PARTING;
         if depth > DEEP * self.reach { (depth / PARTING_TIME).min(fastest) } else { 0.0 }
     }
@@ -180,16 +180,16 @@ impl Pair {
 
     /// Whether they overlap, and part so slowly that it counts as rest.
     fn stays_inside(&self) -> bool {
-        let length = self.distance.length();
+        let length = self.offset.length();
         let parting =
-            if length > 0.0 { self.distance.dot(self.velocity) / length } else { self.velocity.length() };
+            if length > 0.0 { self.offset.dot(self.velocity) / length } else { self.velocity.length() };
         parting < self.slow.min(0.5 * self.least_parting())
     }
 
-    /// Whether the scalar product `b` of distance and velocity is an approach, not the rounding of none.
+    /// Whether the scalar product `b` of offset and velocity is an approach, not the rounding of none.
     fn approaches(&self, b: f64) -> bool {
         let speed = self.own.length() + (self.own + self.velocity).length() + SLOWEST;
-        b < -(BLUR * speed + self.dull) * self.distance.length()
+        b < -(BLUR * speed + self.dull) * self.offset.length()
     }
 }
 
@@ -199,8 +199,8 @@ mod tests {
 
     use super::*;
 
-    fn pair(distance: DVec2, velocity: DVec2, reach: f64) -> Pair {
-        Pair { distance, velocity, reach, own: DVec2::ZERO, slow: 1.0, dull: 0.0 }
+    fn pair(offset: DVec2, velocity: DVec2, reach: f64) -> Pair {
+        Pair { offset, velocity, reach, own: DVec2::ZERO, slow: 1.0, dull: 0.0 }
     }
 
     #[test]
@@ -359,7 +359,7 @@ mod tests {
         ) {
             let (acceleration, limit) = (DVec2::new(ax, ay), if far { NEVER } else { limit });
             let pair = Pair {
-                distance: DVec2::new(x, y),
+                offset: DVec2::new(x, y),
                 velocity: DVec2::new(u, v),
                 reach: 10.0_f64.powf(power),
                 own: DVec2::new(own, 0.0),
@@ -367,7 +367,7 @@ mod tests {
                 dull: 0.0,
             };
             // The same pair where its edges touch, up to rounding.
-            let touching = Pair { reach: pair.distance.length().max(1e-6), ..pair };
+            let touching = Pair { reach: pair.offset.length().max(1e-6), ..pair };
             for pair in [pair, touching] {
                 let (meets, parts) =
                     (pair.meet_accelerated(acceleration, limit), pair.part_accelerated(acceleration, limit));
@@ -380,14 +380,14 @@ mod tests {
 
         #[test]
         fn balls_touch_at_the_time_found_and_not_before(
-            distance in vector(200.0), velocity in vector(500.0), acceleration in vector(980.0), reach in 1.0..60.0,
+            offset in vector(200.0), velocity in vector(500.0), acceleration in vector(980.0), reach in 1.0..60.0,
         ) {
-            prop_assume!(distance.length() > reach);
-            let pair = pair(distance, velocity, reach);
+            prop_assume!(offset.length() > reach);
+            let pair = pair(offset, velocity, reach);
             for (acceleration, time) in
                 [(DVec2::ZERO, pair.meet()), (acceleration, pair.meet_accelerated(acceleration, NEVER))]
             {
-                let gap = |t| position(distance, velocity, acceleration, t).length() - reach;
+                let gap = |t| position(offset, velocity, acceleration, t).length() - reach;
                 // Nothing touches later than some seconds here, unless the acceleration is next to nothing.
                 let end = time.min(10.0);
                 for step in 0..2000 {
@@ -401,21 +401,21 @@ mod tests {
 
         #[test]
         fn balls_that_fly_through_each_other_enter_and_leave_in_turn(
-            distance in vector(200.0), velocity in vector(500.0), acceleration in vector(980.0), reach in 1.0..60.0,
+            offset in vector(200.0), velocity in vector(500.0), acceleration in vector(980.0), reach in 1.0..60.0,
         ) {
-            prop_assume!(distance.length() > reach);
+            prop_assume!(offset.length() > reach);
             let after = |pair: Pair, acceleration, time| Pair {
-                distance: position(pair.distance, pair.velocity, acceleration, time),
+                offset: position(pair.offset, pair.velocity, acceleration, time),
                 velocity: pair.velocity + acceleration * time,
                 ..pair
             };
-            let apart = pair(distance, velocity, reach);
+            let apart = pair(offset, velocity, reach);
             let enters = apart.meet();
             if enters < NEVER {
                 let inside = after(apart, DVec2::ZERO, enters);
                 let leaves = inside.part();
                 // The chord, whose middle is where they are closest.
-                let middle = -inside.distance.dot(velocity) / velocity.length_squared();
+                let middle = -inside.offset.dot(velocity) / velocity.length_squared();
                 prop_assert!((leaves - 2.0 * middle).abs() < 1e-9 * (1.0 + enters));
                 prop_assert_eq!(after(inside, DVec2::ZERO, leaves).meet(), NEVER);
             }
@@ -428,7 +428,7 @@ mod tests {
                 let inside = after(now, acceleration, enters);
                 let leaves = inside.part_accelerated(acceleration, NEVER);
                 prop_assert!(leaves > 0.0 && leaves < NEVER);
-                let gap = |t| position(inside.distance, inside.velocity, acceleration, t).length() - reach;
+                let gap = |t| position(inside.offset, inside.velocity, acceleration, t).length() - reach;
                 for step in 1..100 {
                     prop_assert!(gap(leaves * f64::from(step) / 100.0) < 1e-8);
                 }

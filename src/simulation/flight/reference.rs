@@ -46,8 +46,8 @@ fn vector(row: &BTreeMap<&str, &str>, x: &str, y: &str) -> DVec2 {
 }
 
 fn pair(row: &BTreeMap<&str, &str>) -> Pair {
-    let (distance, velocity) = (vector(row, "dx", "dy"), vector(row, "wx", "wy"));
-    Pair { distance, velocity, reach: number(row, "reach"), own: DVec2::ZERO, slow: 0.0, dull: 0.0 }
+    let (offset, velocity) = (vector(row, "dx", "dy"), vector(row, "wx", "wy"));
+    Pair { offset, velocity, reach: number(row, "reach"), own: DVec2::ZERO, slow: 0.0, dull: 0.0 }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::simulation::ball::Ball;
+use crate::simulation::clock;
 use crate::simulation::grid::Grid;
 use crate::simulation::invariants::{free, kinetic_energy, potential_energy};
 use crate::simulation::world::World;
@@ -12,8 +13,8 @@ use crate::simulation::{Simulation, Solver};
 pub(super) const TOUCH: f64 = 1e-6;
 /// What a few operations round a number by, as a part of it.
 pub(super) const EPSILON: f64 = 8.0 * f64::EPSILON;
-/// Times are known to this, s, whatever their size: twice the 2⁻⁴⁶ s at multiples of which frames are shown.
-const INSTANT: f64 = 1.0 / (1_u64 << 45) as f64;
+/// Times are known to this, s, whatever their size: twice the time at multiples of which frames are shown.
+const INSTANT: f64 = 2.0 * clock::INSTANT;
 /// A time so near to the end of a substep, as a part of one, is that end.
 const WHOLE: f64 = 1e-7;
 /// Substeps of `contact` in a second where it was not told otherwise. It may take a multiple of them: then this sees
