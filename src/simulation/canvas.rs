@@ -94,7 +94,7 @@ impl Advance for Canvas {
         seconds
     }
 
-    fn throw(&mut self, _: usize, _: &Ball) -> bool {
+    fn set_velocity(&mut self, _: usize, _: &Ball) -> bool {
         // It remembers no velocities.
         true
     }
@@ -112,7 +112,7 @@ impl Advance for Canvas {
         parts
     }
 
-    fn boxed(&self) -> Box<dyn Advance> {
+    fn clone_boxed(&self) -> Box<dyn Advance> {
         Box::new(self.clone())
     }
 }

@@ -10,7 +10,7 @@ use super::ball::Ball;
 
 /// The direction of an impact between two balls whose centres coincide. Any fixed one will do, as long as it is
 /// always the same: the demo divides zero by zero here.
-const COINCIDENT_NORMAL: DVec2 = DVec2::X;
+pub(super) const COINCIDENT_NORMAL: DVec2 = DVec2::X;
 
 /// The two forms in which the demo writes the law. They agree to rounding where e = 1, and differ in the last bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

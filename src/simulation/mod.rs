@@ -295,7 +295,7 @@ impl Simulation {
     pub fn set_velocity(&mut self, index: usize, velocity: DVec2) -> Result<(), OutOfRange> {
         let Some(ball) = self.balls.get_mut(index) else { return Ok(()) };
         *ball = ball.with_velocity(velocity)?;
-        if !self.engine.throw(index, ball) {
+        if !self.engine.set_velocity(index, ball) {
             self.rebuild();
         }
         Ok(())
@@ -470,7 +470,7 @@ mod tests {
             Vec::new()
         }
 
-        fn boxed(&self) -> Box<dyn Advance> {
+        fn clone_boxed(&self) -> Box<dyn Advance> {
             Box::new(Self)
         }
     }

@@ -72,12 +72,12 @@ pub(super) trait Advance: fmt::Debug + Send + Sync {
 
     /// Takes up the velocity that `ball`, of this index, was given from outside, and returns whether it could; if not,
     /// it is made anew.
-    fn throw(&mut self, _index: usize, _ball: &Ball) -> bool {
+    fn set_velocity(&mut self, _index: usize, _ball: &Ball) -> bool {
         false
     }
 
     /// A clone, which goes on exactly as this one does.
-    fn boxed(&self) -> Box<dyn Advance>;
+    fn clone_boxed(&self) -> Box<dyn Advance>;
 
     /// The parts that run.
     fn parts(&self, world: &World) -> Vec<Part>;
@@ -85,7 +85,7 @@ pub(super) trait Advance: fmt::Debug + Send + Sync {
 
 impl Clone for Box<dyn Advance> {
     fn clone(&self) -> Self {
-        self.as_ref().boxed()
+        self.as_ref().clone_boxed()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::find::{FEW, Home, Near, Pair, Reach, in_cells, is_clear};
+use super::find::{Cells, Covered, FEW, Home, Near, Pair, in_cells, is_clear};
 use super::layout::Layer;
 use super::stripes::{Stripe, of_layer};
 use super::team::Team;
@@ -75,9 +75,9 @@ impl Near {
         self.link_pairs_of(at, bodies.len());
         self.moved += usize::from(self.is_as_sorted(at, bodies));
         self.homes[at] = home;
-        if let Some((grid, _)) = &mut self.grid {
+        if let Some(Cells { grid, .. }) = &mut self.cells {
             let centre = in_cells(self.turned, home.position);
-            grid.insert(at as u32, &Reach { centre, radius: bodies[at].radius + home.reach });
+            grid.insert(at as u32, &Covered { centre, radius: bodies[at].radius + home.reach });
         }
         if self.seeks_pairs {
             self.find_more_pairs(at, bodies, setting);
@@ -99,7 +99,7 @@ impl Near {
     /// Whether a ball is covered as it was when balls were last sorted into cells.
     fn is_as_sorted(&self, at: usize, bodies: &[Body]) -> bool {
         let home = &self.homes[at];
-        let as_sorted = |disc: &Reach| {
+        let as_sorted = |disc: &Covered| {
             disc.centre == in_cells(self.turned, home.position)
                 && disc.radius == bodies[at].radius + home.reach
         };
@@ -109,7 +109,7 @@ impl Near {
     /// Adds the pairs of a ball that it does not have yet.
     fn find_more_pairs(&mut self, at: usize, bodies: &[Body], setting: &Setting) {
         let place = in_cells(self.turned, self.homes[at].position);
-        let Self { layout, stripes, crossing, homes, grid, known, added, .. } = self;
+        let Self { layout, stripes, crossing, homes, cells, known, added, .. } = self;
         known.begin(bodies.len());
         for number in layout.of_body(at) {
             let (stripe, start) = (&stripes[number], layout.start(number));
@@ -138,11 +138,11 @@ impl Near {
             }
             let start = layout.start(number);
             let pair = Pair { first: (first - start) as u32, second: (second - start) as u32 };
-            stripes[number].add_pair(pair, give, setting.rests);
+            stripes[number].add_pair(pair, give, setting.can_rest);
             *added += 1;
         };
-        match grid {
-            Some((grid, _)) if bodies.len() > FEW => {
+        match cells {
+            Some(Cells { grid, .. }) if bodies.len() > FEW => {
                 grid.for_each_near(place, ball.radius + home.reach, |other| consider(other as usize));
             }
             _ => (0..bodies.len()).for_each(consider),

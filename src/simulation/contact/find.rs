@@ -49,16 +49,24 @@ pub(super) struct Near {
     pub(super) added: usize,
     /// How many balls were covered anew since the search.
     pub(super) moved: usize,
-    pub(super) discs: Vec<Reach>,
-    pub(super) grid: Option<(Grid, f64)>,
+    pub(super) discs: Vec<Covered>,
+    pub(super) cells: Option<Cells>,
     /// Whether the axes of `discs` are swapped, so that rows of cells are columns of the world.
     pub(super) turned: bool,
     /// The root mean square of all speeds at the search, px/s.
-    usual: f64,
+    rms_speed: f64,
     searches: u32,
     kept: Kept,
     pub(super) known: Known,
     gathered: Vec<Gathered>,
+}
+
+/// The cells, and what they were made for.
+#[derive(Debug, Clone)]
+pub(super) struct Cells {
+    pub(super) grid: Grid,
+    /// The sum of the radii of the discs that there were, px.
+    made_for: f64,
 }
 
 /// The pairs that a part of the cells gave.
@@ -143,12 +151,12 @@ impl Home {
 
 /// The disc that a ball stays in while it is covered.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reach {
+pub(super) struct Covered {
     pub(super) centre: DVec2,
     pub(super) radius: f64,
 }
 
-impl Disc for Reach {
+impl Disc for Covered {
     fn centre(&self) -> DVec2 {
         self.centre
     }
@@ -250,23 +258,23 @@ impl Near {
 
     fn find_homes(&mut self, bodies: &[Body], setting: &Setting, team: &Team) {
         let squares: f64 = bodies.iter().map(|body| body.velocity.length_squared()).sum();
-        self.usual = (squares / bodies.len() as f64).sqrt();
+        self.rms_speed = (squares / bodies.len() as f64).sqrt();
         let cover = self.cover(bodies.len(), setting);
         // Stripes lie along what presses, so that few pairs that carry much lie across their edges.
         let turned = self.layout.is_cut() && setting.kick.y.abs() > setting.kick.x.abs();
         if turned != self.turned {
-            (self.turned, self.grid) = (turned, None);
+            (self.turned, self.cells) = (turned, None);
         }
         let Self { layout, homes, discs, .. } = self;
         homes.resize(bodies.len(), Home { position: DVec2::ZERO, reach: 0.0 });
-        discs.resize(bodies.len(), Reach { centre: DVec2::ZERO, radius: 0.0 });
+        discs.resize(bodies.len(), Covered { centre: DVec2::ZERO, radius: 0.0 });
         let shares = layout.share_read(Layer::Own, bodies);
         let shares = shares.zip(layout.share(Layer::Own, homes)).zip(layout.share(Layer::Own, discs));
         team.each(shares, |((bodies, homes), discs)| {
             for ((body, home), disc) in bodies.iter().zip(homes).zip(discs) {
                 *home = cover(body);
                 let centre = in_cells(turned, home.position);
-                *disc = Reach { centre, radius: body.radius + home.reach };
+                *disc = Covered { centre, radius: body.radius + home.reach };
             }
         });
     }
@@ -275,10 +283,10 @@ impl Near {
     pub(super) fn cover(&self, count: usize, setting: &Setting) -> impl Fn(&Body) -> Home + use<> {
         let horizon = match count {
             ..=FEW => FEW_HORIZON,
-            _ if setting.rests => HORIZON,
+            _ if setting.can_rest => HORIZON,
             _ => HORIZON_OF_FLIGHT,
         };
-        let (time, usual, rests) = (horizon * setting.substep, self.usual, setting.rests);
+        let (time, rms_speed, can_rest) = (horizon * setting.substep, self.rms_speed, setting.can_rest);
         let fall = 0.5 * horizon * time * setting.kick.length();
         move |body| {
             let skin = SKIN * body.radius;
@@ -287,7 +295,7 @@ impl Near {
             }
             let way = body.velocity.length() * time;
             // What presses may turn a ball, or push it back, at any time; elsewhere a fast one is covered ahead of it.
-            let far = (usual * time).max(if rests { way } else { LEAST_AHEAD * way });
+            let far = (rms_speed * time).max(if can_rest { way } else { LEAST_AHEAD * way });
             let ahead = (way - far).clamp(0.0, far);
             let ahead = if ahead > 0.0 { body.velocity * (time * ahead / way) } else { DVec2::ZERO };
             Home { position: body.position + ahead, reach: far + fall + skin }
@@ -296,13 +304,13 @@ impl Near {
 
     /// How far a ball is covered at least around its way, px.
     pub(super) fn skin(&self, body: &Body, setting: &Setting) -> f64 {
-        SKIN * body.radius + self.usual * setting.substep
+        SKIN * body.radius + self.rms_speed * setting.substep
     }
 
     fn find_walls(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting) {
         for (at, (body, home)) in bodies.iter().zip(&self.homes).enumerate() {
             let clear = is_clear(home.position, body.radius + home.reach, setting.size);
-            if !clear && rests[at].weight > 0.0 {
+            if !clear && rests[at].inverse_mass > 0.0 {
                 let number = self.layout.own_of(at);
                 let own = (at - self.layout.start(number)) as u32;
                 self.stripes[number].add_beside(own, self.kept.by_wall(at));
@@ -313,7 +321,7 @@ impl Near {
     /// Finds the pairs of so many balls.
     #[inline]
     fn find_pairs(&mut self, count: usize, setting: &Setting, team: &Team) {
-        let Self { layout, stripes, grid, discs, gathered, turned, .. } = self;
+        let Self { layout, stripes, cells, discs, gathered, turned, .. } = self;
         if count <= FEW {
             let pairs = &mut stripes[0].pairs;
             for (i, one) in discs.iter().enumerate() {
@@ -326,14 +334,16 @@ impl Near {
             return;
         }
         let sum: f64 = discs.iter().map(|disc| disc.radius).sum();
-        let suits = |(grid, made): &(Grid, f64)| sum < ROOM * made && sum > made / MISFIT && !grid.misfits();
+        let suits = |cells: &Cells| {
+            sum < ROOM * cells.made_for && sum > cells.made_for / MISFIT && !cells.grid.misfits()
+        };
         let size = in_cells(*turned, setting.size);
-        let (grid, _) = match grid {
-            Some(grid) if suits(grid) => grid,
+        let Cells { grid, .. } = match cells {
+            Some(cells) if suits(cells) => cells,
             _ => {
-                let roomy = |disc: &Reach| Reach { radius: ROOM * disc.radius, ..*disc };
-                let discs: Vec<Reach> = discs.iter().map(roomy).collect();
-                grid.insert((Grid::for_discs(&discs, size), sum))
+                let roomy = |disc: &Covered| Covered { radius: ROOM * disc.radius, ..*disc };
+                let discs: Vec<Covered> = discs.iter().map(roomy).collect();
+                cells.insert(Cells { grid: Grid::for_discs(&discs, size), made_for: sum })
             }
         };
         let pair = |first, second| Pair { first, second };
@@ -368,7 +378,7 @@ impl Near {
     fn take_pairs(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting, team: &Team) {
         let Self { layout, stripes, gathered, kept, crossing, .. } = self;
         let (layout, gathered, kept) = (*layout, &*gathered, &*kept);
-        let any_fixed = rests.iter().any(|rest| rest.weight == 0.0);
+        let any_fixed = rests.iter().any(|rest| rest.inverse_mass == 0.0);
         team.each(stripes.iter_mut().enumerate(), |(number, stripe)| {
             let start = layout.start(number).min(bodies.len());
             let bodies = &bodies[start..start + layout.count(number, bodies.len())];
@@ -379,14 +389,14 @@ impl Near {
                 }
             }
             if any_fixed {
-                let fixed = |at: u32| rests[start + at as usize].weight == 0.0;
+                let fixed = |at: u32| rests[start + at as usize].inverse_mass == 0.0;
                 pairs.retain(|pair| !(fixed(pair.first) && fixed(pair.second)));
             }
             if setting.kick != DVec2::ZERO && !pairs.is_empty() {
                 heights.sort(pairs, bodies, -setting.kick.normalize_or_zero());
             }
             close.resize(pairs.len(), true);
-            if setting.rests {
+            if setting.can_rest {
                 holds.extend(pairs.iter().map(|pair| kept.by_ball(pair.from(start)).unwrap_or(Hold::NONE)));
                 held.extend(holds.iter().map(|hold| hold.impulse > 0.0));
                 live.clone_from(held);
@@ -407,7 +417,7 @@ impl Near {
     /// in memory then. The places that they have now, if that could be done.
     #[inline]
     fn put_in_order(&mut self, cargo: &mut Cargo<'_>) -> Option<Vec<u32>> {
-        let (grid, _) = self.grid.as_ref()?;
+        let Cells { grid, .. } = self.cells.as_ref()?;
         let order: Vec<u32> = grid.order().collect();
         if order.len() != cargo.bodies.len() {
             // Balls were added since.

@@ -25,11 +25,11 @@ impl Approach {
     #[inline]
     #[expect(clippy::needless_bitwise_bool, reason = "a branch here cannot be foreseen by a processor")]
     pub(super) fn of(setting: &Setting, first: &Body, second: &Body) -> Self {
-        let distance = first.position - second.position;
-        let closing = distance.dot(first.velocity - second.velocity);
+        let offset = first.position - second.position;
+        let closing = offset.dot(first.velocity - second.velocity);
         let reach = first.radius + second.radius;
         let reach = reach * reach;
-        let least = distance.length_squared() + 2.0 * closing.min(0.0) * setting.substep;
+        let least = offset.length_squared() + 2.0 * closing.min(0.0) * setting.substep;
         Self { may_meet: (least <= reach) & (closing < 0.0), closes_in: least <= reach * CLOSE }
     }
 }
@@ -39,7 +39,7 @@ pub(super) struct Meeting {
     /// When, s after the substep's beginning.
     pub(super) time: f64,
     /// Where the first is then, seen from the second, px.
-    distance: DVec2,
+    offset: DVec2,
     length: f64,
     /// Speed of approach, px/s.
     pub(super) speed: f64,
@@ -48,17 +48,17 @@ pub(super) struct Meeting {
 impl Meeting {
     /// `None` where they do not meet in this substep after `since`.
     pub(super) fn of(setting: &Setting, first: &Body, second: &Body, held: bool, since: f64) -> Option<Self> {
-        let distance = first.position - second.position;
+        let offset = first.position - second.position;
         let velocity = first.velocity - second.velocity;
-        let closing = distance.dot(velocity);
+        let closing = offset.dot(velocity);
         let reach = first.radius + second.radius;
         if closing >= 0.0 || (held && -closing < setting.firm * reach) {
             return None;
         }
         // From where they are when the later one was hit.
-        let distance = distance + velocity * since;
-        let closing = distance.dot(velocity);
-        let gap = distance.length_squared() - reach * reach;
+        let offset = offset + velocity * since;
+        let closing = offset.dot(velocity);
+        let gap = offset.length_squared() - reach * reach;
         let wait = if gap <= 0.0 {
             0.0
         } else {
@@ -72,25 +72,25 @@ impl Meeting {
         if time > setting.substep {
             return None;
         }
-        let distance = distance + velocity * wait;
+        let offset = offset + velocity * wait;
         // By the velocity at the time of impact, or, where they pressed on each other before, by that without what
         // presses them together now; but by no more than the mean velocity in the substep, in which what they were
         // given already counts: none may give more than it finds.
         let change = first.change(setting.kick) - second.change(setting.kick);
         let then = velocity + change * if held { -1.0 } else { time / setting.substep - 0.5 };
-        let closing = distance.dot(velocity).max(distance.dot(then));
-        let length = distance.length();
+        let closing = offset.dot(velocity).max(offset.dot(then));
+        let length = offset.length();
         if closing >= 0.0 || length < COINCIDENT {
             return None;
         }
-        Some(Self { time, distance, length, speed: -closing / length })
+        Some(Self { time, offset, length, speed: -closing / length })
     }
 
     /// Gives both their impulse.
     #[inline]
     fn exchange(&self, bodies: &mut [Body], (first, second): (usize, usize), e: f64) {
         let (one, other) = (bodies[first].inverse_mass, bodies[second].inverse_mass);
-        let change = self.distance * ((1.0 + e) * self.speed / ((one + other) * self.length));
+        let change = self.offset * ((1.0 + e) * self.speed / ((one + other) * self.length));
         strike(&mut bodies[first], change * one, self.time);
         strike(&mut bodies[second], -change * other, self.time);
     }

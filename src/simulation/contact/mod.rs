@@ -43,7 +43,7 @@ use stripes::of_layer;
 use team::Team;
 
 /// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; more where gravity is strong.
-const RATE: u32 = 240;
+pub(super) const RATE: u32 = 240;
 /// Gravity moves a ball at rest by at most this part of the smallest radius in a substep: else what falls within one
 /// would count for more than what is held.
 const SINKING: f64 = 0.02;
@@ -108,7 +108,7 @@ struct Setting {
     /// By what gravity changes a velocity in a substep, px/s.
     kick: DVec2,
     /// Whether balls can come to rest: there is gravity, or something takes energy.
-    rests: bool,
+    can_rest: bool,
     /// A pair that holds each other bounces only where it meets faster than this, px/s.
     firm: f64,
     /// Impacts slower than this are not counted, px/s.
@@ -161,7 +161,7 @@ impl Contact {
             walls: world.walls,
             substep,
             kick,
-            rests: rests(world, balls),
+            can_rest: can_rest(world, balls),
             firm: FIRM * kick.length(),
             // Without gravity there is no chatter to be left out.
             rest_speed: if kick == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
@@ -196,11 +196,11 @@ impl Contact {
         self.accelerate();
         self.find();
         self.impacts(tally);
-        if self.setting.rests {
+        if self.setting.can_rest {
             self.support();
         }
         self.travel();
-        if self.setting.rests {
+        if self.setting.can_rest {
             self.relax();
             self.wake_unbalanced();
         }
@@ -212,7 +212,7 @@ impl Contact {
     #[inline]
     fn accelerate(&mut self) {
         let Self { setting, bodies, near, team, .. } = self;
-        if !setting.rests {
+        if !setting.can_rest {
             // Nothing changes a velocity but impacts.
             return;
         }
@@ -239,7 +239,7 @@ impl Contact {
             && !near.keep_up(bodies, setting, team)
         {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
-            if setting.rests && setting.kick != DVec2::ZERO {
+            if setting.can_rest && setting.kick != DVec2::ZERO {
                 near.push_again(bodies);
             }
         }
@@ -342,7 +342,7 @@ impl Contact {
 }
 
 /// Whether balls can come to rest.
-fn rests(world: &World, balls: &[Ball]) -> bool {
+fn can_rest(world: &World, balls: &[Ball]) -> bool {
     let takes_energy =
         world.walls.is_some_and(|e| e < 1.0) || balls.iter().any(|ball| ball.restitution < 1.0);
     world.gravity.is_some() || takes_energy
@@ -417,7 +417,7 @@ impl Advance for Contact {
         let tuning = self.tuning;
         if rate(world, balls, tuning) != self.rate
             || has_pairs(world, balls) != self.pairs
-            || rests(world, balls) != self.setting.rests
+            || can_rest(world, balls) != self.setting.can_rest
             || self.shown.is_some()
         {
             return false;
@@ -438,7 +438,7 @@ impl Advance for Contact {
         true
     }
 
-    fn throw(&mut self, index: usize, ball: &Ball) -> bool {
+    fn set_velocity(&mut self, index: usize, ball: &Ball) -> bool {
         let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
         self.wake_by_hand(at);
         let body = &mut self.bodies[at];
@@ -462,7 +462,7 @@ impl Advance for Contact {
         parts
     }
 
-    fn boxed(&self) -> Box<dyn Advance> {
+    fn clone_boxed(&self) -> Box<dyn Advance> {
         Box::new(self.clone())
     }
 }

@@ -38,16 +38,16 @@ const LOST: f64 = 0.1;
 pub(super) struct Rest {
     pub(super) asleep: bool,
     /// Its inverse mass when it is awake: 0 where nothing moves it.
-    pub(super) weight: f64,
+    pub(super) inverse_mass: f64,
     /// Where it was when its rest was last looked at.
     anchor: DVec2,
     /// Whether it was elsewhere in the meantime.
-    strayed: bool,
+    swung: bool,
 }
 
 impl Rest {
     pub(super) fn new(body: &Body) -> Self {
-        Self { asleep: false, weight: body.inverse_mass, anchor: body.position, strayed: false }
+        Self { asleep: false, inverse_mass: body.inverse_mass, anchor: body.position, swung: false }
     }
 }
 
@@ -60,7 +60,7 @@ impl Contact {
         }
         match self.steps % window {
             0 => self.put_to_sleep(window),
-            step if step == window * EIGHTHS / 8 => self.find_strays(window),
+            step if step == window * EIGHTHS / 8 => self.find_swinging(window),
             _ => {}
         }
     }
@@ -70,16 +70,18 @@ impl Contact {
         DRIFT * self.setting.kick.length() * window as f64 * self.setting.substep
     }
 
-    fn find_strays(&mut self, window: u64) {
+    /// Notes which balls are elsewhere than when their rest was last looked at.
+    fn find_swinging(&mut self, window: u64) {
         let drift = self.drift(window);
         for (rest, body) in self.rests.iter_mut().zip(&self.bodies) {
-            rest.strayed = body.position.distance_squared(rest.anchor) > drift * drift;
+            rest.swung = body.position.distance_squared(rest.anchor) > drift * drift;
         }
     }
 
+    /// Puts those to sleep that have rested since that was last looked at.
     fn put_to_sleep(&mut self, window: u64) {
         self.find_held();
-        self.find_deep();
+        self.release_deep();
         let drift = self.drift(window);
         let Self { setting, bodies, rests, near: Some(near), held, .. } = self else { return };
         near.link_pairs(bodies.len());
@@ -87,10 +89,10 @@ impl Contact {
         for (at, (body, rest)) in bodies.iter_mut().zip(&mut *rests).enumerate() {
             // One that was hit just now has not gone far either.
             let slow = body.velocity.length_squared() < setting.kick.length_squared();
-            let still = slow && !rest.strayed && body.position.distance_squared(rest.anchor) < drift * drift;
-            (rest.anchor, rest.strayed) = (body.position, false);
+            let still = slow && !rest.swung && body.position.distance_squared(rest.anchor) < drift * drift;
+            (rest.anchor, rest.swung) = (body.position, false);
             if still
-                && rest.weight > 0.0
+                && rest.inverse_mass > 0.0
                 && !rest.asleep
                 && is_balanced(at, body, rest, held[at], &stripes, setting)
             {
@@ -100,7 +102,7 @@ impl Contact {
             }
         }
         near.weigh_all(bodies);
-        self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.weight == 0.0);
+        self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.inverse_mass == 0.0);
     }
 
     /// Wakes a ball that is moved from outside.
@@ -111,13 +113,13 @@ impl Contact {
             && rests[at].asleep
         {
             near.link_pairs(bodies.len());
-            let given = near.all().given(at, rests[at].weight);
+            let given = near.all().given(at, rests[at].inverse_mass);
             wake(at, &given, setting.kick, bodies, rests, &mut near.all());
         }
     }
 
     /// Counts bodies that overlap others deeply as not held.
-    fn find_deep(&mut self) {
+    fn release_deep(&mut self) {
         let Self { bodies, near: Some(near), held, .. } = self else { return };
         for (number, stripe) in near.stripes.iter().enumerate() {
             let start = near.layout.start(number);
@@ -148,10 +150,10 @@ impl Contact {
                 if !rests[at].asleep {
                     continue;
                 }
-                let given = near.all().given(at, rests[at].weight);
+                let given = near.all().given(at, rests[at].inverse_mass);
                 // What lost a support moves, however hard the others press.
                 let pressed =
-                    if lost * rests[at].weight > LOST * kick.length() { 0.0 } else { given.pressed };
+                    if lost * rests[at].inverse_mass > LOST * kick.length() { 0.0 } else { given.pressed };
                 let tolerance = WEIGHT * kick.length() + PRESS * pressed;
                 if (given.velocity + kick).length_squared() > tolerance * tolerance {
                     // As if it had been held like this in the substep that is over.
@@ -192,7 +194,7 @@ fn wake(
 ) -> DVec2 {
     let rest = &mut rests[at];
     (rest.asleep, rest.anchor) = (false, bodies[at].position);
-    bodies[at].inverse_mass = rest.weight;
+    bodies[at].inverse_mass = rest.inverse_mass;
     stripes.weigh_pairs_of(at, bodies);
     if (given.velocity + kick).length() < WARM * kick.length() {
         given.velocity
@@ -212,7 +214,7 @@ fn is_balanced(
     stripes: &Stripes<'_>,
     setting: &Setting,
 ) -> bool {
-    let given = stripes.given(at, rest.weight);
+    let given = stripes.given(at, rest.inverse_mass);
     let below = setting.size - body.radius - body.position;
     let above = body.position - body.radius;
     let gap = DVec2::select(setting.kick.cmpgt(DVec2::ZERO), below, above);
@@ -230,7 +232,7 @@ pub(super) fn wake_by_hit(
     rests: &mut [Rest],
     stripes: &mut Stripes<'_>,
 ) {
-    let given = stripes.given(at, rests[at].weight);
+    let given = stripes.given(at, rests[at].inverse_mass);
     let held = wake(at, &given, kick, bodies, rests, stripes);
     bodies[at].free = kick;
     bodies[at].velocity = kick + held;

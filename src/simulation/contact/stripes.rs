@@ -96,11 +96,11 @@ impl Stripe {
     }
 
     /// Adds a pair, which may press in a stripe where things rest.
-    pub(super) fn add_pair(&mut self, pair: Pair, give: f64, rests: bool) {
+    pub(super) fn add_pair(&mut self, pair: Pair, give: f64, can_rest: bool) {
         self.pairs.push(pair);
         self.idle.push(give == 0.0);
         self.close.push(true);
-        if rests {
+        if can_rest {
             self.holds.push(Hold { mass: give.recip(), ..Hold::NONE });
             self.held.push(false);
             self.live.push(false);

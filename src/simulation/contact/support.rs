@@ -10,6 +10,7 @@
 
 use glam::DVec2;
 
+use super::super::impulse::COINCIDENT_NORMAL;
 use super::find::{Beside, Hold, Pair};
 use super::impacts::{Fate, Shift};
 use super::layout::Layer;
@@ -215,16 +216,16 @@ fn carry(bodies: &mut [Body], pairs: &[Pair], holds: &[Hold], run: &[u32]) {
 #[inline]
 fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, shifted: bool) -> bool {
     let (first, second) = two(bodies, pair);
-    let distance = first.position - second.position;
-    let squared = distance.length_squared();
+    let offset = first.position - second.position;
+    let squared = offset.length_squared();
     let reach = first.radius + second.radius;
-    let end = distance + (first.velocity - second.velocity) * setting.substep;
+    let end = offset + (first.velocity - second.velocity) * setting.substep;
     let near = (1.0 + 2.0 * APART) * reach * reach;
     if hold.impulse == 0.0 && squared.min(end.length_squared()) > near {
         return false;
     }
     let length = squared.sqrt();
-    let normal = if squared < f64::MIN_POSITIVE { DVec2::X } else { distance / length };
+    let normal = if squared < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { offset / length };
     let gap = length - reach;
     // What was given along the old direction turns into the new one within a few substeps, as if the balls gripped each
     // other a little: that works against the motion that turns it, and lets piles come to rest. Where the direction

@@ -355,7 +355,7 @@ impl Advance for Exact {
         parts
     }
 
-    fn boxed(&self) -> Box<dyn Advance> {
+    fn clone_boxed(&self) -> Box<dyn Advance> {
         Box::new(self.clone())
     }
 }

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use crate::simulation::ball::Ball;
 use crate::simulation::clock;
+use crate::simulation::contact;
 use crate::simulation::grid::Grid;
 use crate::simulation::invariants::{free, kinetic_energy, potential_energy};
 use crate::simulation::world::World;
@@ -17,9 +18,6 @@ pub(super) const EPSILON: f64 = 8.0 * f64::EPSILON;
 const INSTANT: f64 = 2.0 * clock::INSTANT;
 /// A time so near to the end of a substep, as a part of one, is that end.
 const WHOLE: f64 = 1e-7;
-/// Substeps of `contact` in a second where it was not told otherwise. It may take a multiple of them: then this sees
-/// the ends of some only.
-const SUBSTEPS: u32 = 240;
 
 /// Whether the state is one that the solver has computed: `contact` only shows what lies between two of its substeps.
 pub(super) fn is_whole(simulation: &Simulation) -> bool {
@@ -36,8 +34,10 @@ pub(super) fn instant(simulation: &Simulation) -> f64 {
     shown + EPSILON * simulation.time()
 }
 
+/// The substeps of `contact` in a second: those that it was told, or the fewest that it chooses. It may choose a
+/// multiple of them: then this sees the ends of some only.
 pub(super) fn substeps(simulation: &Simulation) -> u32 {
-    simulation.tuning.substeps.unwrap_or(SUBSTEPS)
+    simulation.tuning.substeps.unwrap_or(contact::RATE)
 }
 
 /// Whether a ball that flies freely touches no wall for so many seconds: it is never nearer to one than a small part of

@@ -324,7 +324,7 @@ mod tests {
             Vec::new()
         }
 
-        fn boxed(&self) -> Box<dyn Advance> {
+        fn clone_boxed(&self) -> Box<dyn Advance> {
             Box::new(Self(self.0))
         }
     }
