@@ -82,7 +82,7 @@ impl Layout {
     /// The stripe of a body, its seam and the rest.
     #[inline]
     pub(super) fn of_body(self, body: usize) -> impl Iterator<Item = usize> + use<> {
-        let numbers = [self.own_of(body), self.own + (body >> self.shift).div_ceil(2), 2 * self.own + 1];
+        let numbers = [Layer::Own, Layer::Seams, Layer::Rest].map(|layer| self.number(body, layer));
         numbers.into_iter().take(if self.is_cut() { 3 } else { 1 })
     }
 

@@ -18,9 +18,7 @@ const CHATTER_LENGTH: f64 = 1e-3;
 impl Exact {
     pub(in crate::simulation) fn new(world: &World, balls: &[Ball], rest_speed: f64) -> Self {
         let gravity = world.gravity.unwrap_or_default();
-        let (holds, strength) = (gravity != DVec2::ZERO, gravity.length());
-        let several = balls.len() > 1;
-        let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+        let strength = gravity.length();
         let smallest = balls
             .iter()
             .filter(|ball| !ball.is_fixed())
@@ -28,10 +26,7 @@ impl Exact {
         let rest_speed = counted_rest_speed(rest_speed, gravity, smallest);
         let mut exact = Self {
             gravity,
-            pulls: [0, 1, 2, 3].map(|rests| {
-                let free = |axis: usize| if rests & (1 << axis) == 0 { gravity[axis] } else { 0.0 };
-                DVec2::new(free(0), free(1))
-            }),
+            pulls: pulls(gravity),
             size: world.size,
             walls: world.walls,
             walls_at: match world.walls {
@@ -41,7 +36,7 @@ impl Exact {
             rest_speed,
             chatter_time: 2.0 * rest_speed / if strength > 0.0 { strength } else { impacts::EARTH },
             chatter_length: CHATTER_LENGTH * smallest,
-            holds,
+            holds: gravity != DVec2::ZERO,
             ids: (0..balls.len() as u32).collect(),
             flights: Vec::new(),
             marks: vec![Marks::default(); balls.len()],
@@ -63,31 +58,41 @@ impl Exact {
             found: Vec::new(),
             propped: Vec::new(),
         };
-        if several && world.pairs.is_some() {
-            let cells = Cells::new(world, &radii);
-            exact.ids.sort_by_cached_key(|&id| cells.morton_code(id as usize, balls[id as usize].position));
-            // Anew, since the balls have another order now.
-            let radii: Vec<f64> = exact.in_order(balls).map(|ball| ball.radius).collect();
-            exact.cells = Some(Cells::new(world, &radii));
+        if balls.len() > 1 && world.pairs.is_some() {
+            exact.put_in_order(world, balls);
         }
         exact.flights = exact.in_order(balls).map(|ball| Flight::new(ball.position, ball.velocity)).collect();
         exact.matter = exact.in_order(balls).map(Matter::of).collect();
         if exact.overlaps.is_none() && exact.matter.iter().all(|matter| *matter == exact.matter[0]) {
             exact.matter.truncate(1);
         }
-        for (slot, &id) in exact.ids.iter().enumerate() {
-            let ball = &balls[id as usize];
-            for axis in 0..2 {
-                // A fixed ball rests, across both axes, and no impact lifts it: it is held as walls hold a ball that
-                // has no room between them.
-                let held = ball.is_fixed() || exact.jams(ball.radius, axis);
-                exact.marks[slot].set(Marks::rests_on(axis), held);
-                exact.holds |= held;
-            }
-        }
+        exact.hold_immovable(balls);
         exact
     }
 
+    /// Gives neighbours in space neighbouring slots, and makes the cells.
+    fn put_in_order(&mut self, world: &World, balls: &[Ball]) {
+        let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+        let cells = Cells::new(world, &radii);
+        self.ids.sort_by_cached_key(|&id| cells.morton_code(id as usize, balls[id as usize].position));
+        // Anew, since the balls have another order now.
+        let radii: Vec<f64> = self.in_order(balls).map(|ball| ball.radius).collect();
+        self.cells = Some(Cells::new(world, &radii));
+    }
+
+    /// Lays to rest what cannot move: what has no room between walls, and fixed balls, which no impact lifts either.
+    fn hold_immovable(&mut self, balls: &[Ball]) {
+        for (slot, &id) in self.ids.iter().enumerate() {
+            let ball = &balls[id as usize];
+            for axis in 0..2 {
+                let held = ball.is_fixed() || self.jams(ball.radius, axis);
+                self.marks[slot].set(Marks::rests_on(axis), held);
+                self.holds |= held;
+            }
+        }
+    }
+
+    /// The balls by their slots.
     fn in_order<'a>(&self, balls: &'a [Ball]) -> impl Iterator<Item = &'a Ball> {
         self.ids.iter().map(|&id| &balls[id as usize])
     }
@@ -131,6 +136,14 @@ impl Exact {
             }
         }
     }
+}
+
+/// The acceleration of a ball by the axes on which it rests.
+fn pulls(gravity: DVec2) -> [DVec2; 4] {
+    [0, 1, 2, 3].map(|rests| {
+        let free = |axis: usize| if rests & (1 << axis) == 0 { gravity[axis] } else { 0.0 };
+        DVec2::new(free(0), free(1))
+    })
 }
 
 /// The rest speed as it counts, px/s. It is meant for the demo's gravity; stronger gravity raises it in proportion, so

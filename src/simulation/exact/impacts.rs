@@ -14,7 +14,7 @@
 use glam::DVec2;
 
 use crate::simulation::Tally;
-use crate::simulation::flight::{DEEP, Pair};
+use crate::simulation::flight::{self, DEEP};
 use crate::simulation::impulse::{exact_impact, held_impact};
 
 use super::flights::{Marks, Matter};
@@ -204,12 +204,8 @@ impl Exact {
         if N::HOLDS && self.wedged() && (first.is_fixed() || second.is_fixed()) {
             return self.hold::<N>(tally, one, other, now);
         }
-        // That another ball has hit a fixed one a moment before says nothing: it has not moved.
-        let chatter_of = |slot, matter: &Matter| {
-            if N::HOLDS && matter.is_fixed() { 0.0 } else { self.chatter_speed(slot, now) }
-        };
         let may_chatter = restitution < 1.0 && !self.wedged();
-        let chatters = |slot, matter| may_chatter && meeting.slower_than(chatter_of(slot, matter));
+        let chatters = |slot, matter| may_chatter && self.chatters::<N>(slot, matter, &meeting, now);
         let chatter = (chatters(one, first), chatters(other, second));
         let e = if chatter.0 || chatter.1 { 1.0 } else { restitution };
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
@@ -230,18 +226,7 @@ impl Exact {
         for (slot, position, velocity, change, chatters) in
             [(one, p1, v1, c1, chatter.0), (other, p2, v2, c2, chatter.1)]
         {
-            let marks = &mut self.marks[slot];
-            if N::HOLDS {
-                // A ball that is given a speed across the wall it rests on flies again.
-                (0..2)
-                    .filter(|&axis| change[axis] != 0.0)
-                    .for_each(|axis| marks.set(Marks::rests_on(axis), false));
-            }
-            marks.set(Marks::HIT, true);
-            if !(N::HOLDS && marks.has(Marks::HELD)) {
-                marks.set(Marks::LEANS, leans);
-                marks.note_chatter(chatters);
-            }
+            self.mark_hit::<N>(slot, change, leans, chatters);
             self.set_out(slot, (position, velocity + change), now);
         }
         tally.impacts += 1;
@@ -254,6 +239,31 @@ impl Exact {
             if self.marks[slot].chatter() == Marks::MOST_CHATTER {
                 self.settle::<N>(slot, now);
             }
+        }
+    }
+
+    /// Whether this impact of a ball is chatter.
+    #[inline]
+    fn chatters<N: Needs>(&self, slot: usize, matter: &Matter, meeting: &Meeting, now: f64) -> bool {
+        // That another ball has hit a fixed one a moment before says nothing: it has not moved.
+        let speed = if N::HOLDS && matter.is_fixed() { 0.0 } else { self.chatter_speed(slot, now) };
+        meeting.slower_than(speed)
+    }
+
+    /// Marks a ball that another has hit, whose velocity changes by so much.
+    #[inline]
+    fn mark_hit<N: Needs>(&mut self, slot: usize, change: DVec2, leans: bool, chatters: bool) {
+        let marks = &mut self.marks[slot];
+        if N::HOLDS {
+            // A ball that is given a speed across the wall it rests on flies again.
+            (0..2)
+                .filter(|&axis| change[axis] != 0.0)
+                .for_each(|axis| marks.set(Marks::rests_on(axis), false));
+        }
+        marks.set(Marks::HIT, true);
+        if !(N::HOLDS && marks.has(Marks::HELD)) {
+            marks.set(Marks::LEANS, leans);
+            marks.note_chatter(chatters);
         }
     }
 
@@ -301,8 +311,7 @@ impl Exact {
         if touching || self.wedged() || !meeting.slower_than(self.rest_speed) {
             return 0.0;
         }
-        let Meeting { offset, velocity } = *meeting;
-        Pair { offset, velocity, reach, own: DVec2::ZERO, slow: 0.0, dull: 0.0 }.least_parting()
+        flight::least_parting(meeting.offset.length(), reach)
     }
 
     /// Along which axes a ball can take a change of velocity: 0 where it would be pressed into the wall it rests on.

@@ -27,6 +27,15 @@ struct Group {
     contacts: Vec<Contact>,
 }
 
+/// Two balls that meet at that time.
+struct Meeting {
+    /// From the second to the first, px.
+    offset: DVec2,
+    restitution: f64,
+    /// Whether one of them may come to rest.
+    may_rest: bool,
+}
+
 impl Exact {
     /// Makes one impact of that of two balls, which has just been taken, and of all at this time that others which they
     /// touch have with them or with further ones. The two had these velocities before.
@@ -89,35 +98,48 @@ impl Exact {
                     Some(known) => (group.positions[known], group.bodies[known].velocity),
                     None => self.state::<N>(other, now),
                 };
-                let (matter, theirs) = (self.matter::<N>(slot), self.matter::<N>(other));
-                let own = group.bodies[at].velocity;
-                let pair = Pair {
-                    offset: position - group.positions[at],
-                    velocity: velocity - own,
-                    reach: matter.radius + theirs.radius,
-                    own,
-                    slow: 0.0,
-                    dull: 0.0,
-                };
-                if !(pair.are_within(AT_HAND) && pair.closes_in()) {
+                let own = (group.positions[at], group.bodies[at].velocity);
+                let Some(meeting) = self.meets::<N>((slot, own), (other, (position, velocity))) else {
                     continue;
-                }
-                let restitution = matter.restitution.min(theirs.restitution);
-                let closing = -pair.velocity.dot(pair.offset) / pair.offset.length();
-                // What hits slowly may chatter, and come to rest.
-                let rests = (N::HOLDS || restitution < 1.0) && closing < LEAN * self.rest_speed;
-                if rests || group.contacts.len() == MOST_TOGETHER {
+                };
+                if meeting.may_rest || group.contacts.len() == MOST_TOGETHER {
                     return None;
                 }
                 let second = match known {
                     Some(known) => known,
                     None => self.join::<N>(&mut group, other, velocity, now)?,
                 };
-                group.contacts.push(Contact { first: at, second, offset: -pair.offset, restitution });
+                let Meeting { offset, restitution, .. } = meeting;
+                group.contacts.push(Contact { first: at, second, offset, restitution });
             }
             at += 1;
         }
         Some(group)
+    }
+
+    /// How a ball meets another one now, if it does, by their slots, positions and velocities.
+    fn meets<N: Needs>(
+        &self,
+        (slot, (position, own)): (usize, (DVec2, DVec2)),
+        (other, (their_position, their_velocity)): (usize, (DVec2, DVec2)),
+    ) -> Option<Meeting> {
+        let (matter, theirs) = (self.matter::<N>(slot), self.matter::<N>(other));
+        let pair = Pair {
+            offset: their_position - position,
+            velocity: their_velocity - own,
+            reach: matter.radius + theirs.radius,
+            own,
+            slow: 0.0,
+            dull: 0.0,
+        };
+        if !(pair.are_within(AT_HAND) && pair.closes_in()) {
+            return None;
+        }
+        let restitution = matter.restitution.min(theirs.restitution);
+        let closing = -pair.velocity.dot(pair.offset) / pair.offset.length();
+        // What hits slowly may chatter, and come to rest.
+        let may_rest = (N::HOLDS || restitution < 1.0) && closing < LEAN * self.rest_speed;
+        Some(Meeting { offset: -pair.offset, restitution, may_rest })
     }
 
     /// Adds a ball with this velocity to a group, and returns its place there, or [`None`] where walls or others hold

@@ -78,6 +78,14 @@ const FASTEST_PARTING: f64 = 4.0;
 /// The slowest speed that counts, px/s: halved on and on, speeds end in numbers that cannot be halved.
 const SLOWEST: f64 = 1e-100;
 
+/// The least speed, px/s, at which two balls are to part that overlap at relative rest, by their distance and that at
+/// which they touch, px; 0 where they do not overlap by more than rounding.
+pub(super) fn least_parting(distance: f64, reach: f64) -> f64 {
+    let depth = reach - distance;
+    let fastest = reach * FASTEST_PARTING;
+    if depth > DEEP * reach { (depth / PARTING_TIME).min(fastest) } else { 0.0 }
+}
+
 /// Two balls as one sees the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pair {
@@ -163,14 +171,6 @@ impl Pair {
         if b < 0.0 { (root - b) / square } else { -c / (root + b) }
     }
 
-    /// The least speed, px/s, at which the two are to part where they overlap at relative rest; 0 where they do not
-    /// overlap by more than rounding.
-    pub(super) fn least_parting(&self) -> f64 {
-        let depth = self.reach - self.offset.length();
-        let fastest = self.reach * FASTEST_PARTING;
-        if depth > DEEP * self.reach { (depth / PARTING_TIME).min(fastest) } else { 0.0 }
-    }
-
     /// When they meet, where they touch or overlap: now or never.
     #[cold]
     fn meet_at_once(self, b: f64) -> f64 {
@@ -183,7 +183,7 @@ impl Pair {
         let length = self.offset.length();
         let parting =
             if length > 0.0 { self.offset.dot(self.velocity) / length } else { self.velocity.length() };
-        parting < self.slow.min(0.5 * self.least_parting())
+        parting < self.slow.min(0.5 * least_parting(length, self.reach))
     }
 
     /// Whether the scalar product `b` of offset and velocity is an approach, not the rounding of none.
@@ -257,14 +257,14 @@ mod tests {
     fn what_overlaps_at_rest_meets_now_unless_it_parts_as_fast_as_its_depth_asks() {
         let parting = |speed| pair(DVec2::new(9.0, 0.0), DVec2::new(speed, 0.0), 10.0);
         // 1 px deep: 40 px/s, which is four times the distance at which they touch, and not 50.
-        assert_eq!(parting(0.0).least_parting(), 40.0);
+        assert_eq!(least_parting(9.0, 10.0), 40.0);
         assert_eq!((parting(0.0).meet(), parting(0.9).meet(), parting(1.1).meet()), (0.0, 0.0, NEVER));
         // A thousandth of a pixel deep: 0.05 px/s, of which half is enough.
         let shallow = |speed| pair(DVec2::new(9.999, 0.0), DVec2::new(speed, 0.0), 10.0);
         assert_eq!((shallow(0.0).meet(), shallow(0.024).meet(), shallow(0.026).meet()), (0.0, 0.0, NEVER));
         // What touches, up to rounding, does not overlap; at one point any speed is one of parting.
         let touching = pair(DVec2::new(10.0 - 1e-9, 0.0), DVec2::ZERO, 10.0);
-        assert_eq!((touching.least_parting(), touching.meet()), (0.0, NEVER));
+        assert_eq!((least_parting(10.0 - 1e-9, 10.0), touching.meet()), (0.0, NEVER));
         let at_one_point = |speed| pair(DVec2::ZERO, DVec2::new(0.0, speed), 10.0).meet();
         assert_eq!((at_one_point(0.0), at_one_point(2.0)), (0.0, NEVER));
     }
