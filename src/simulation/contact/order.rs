@@ -23,7 +23,31 @@ impl Heights {
     /// Puts the pairs in the order of the height of their upper balls, from the lowest up to a fraction of a radius,
     /// with all pairs of an upper ball side by side, and the upper ball first. `up` is the unit vector against gravity.
     pub(super) fn sort(&mut self, pairs: &mut Vec<Pair>, bodies: &[Body], up: DVec2) {
+        self.rank(bodies, up);
         let Self { starts, ranks, sorted } = self;
+        starts.clear();
+        starts.resize(bodies.len() + 1, 0);
+        for pair in pairs.iter_mut() {
+            let (first, second) = (ranks[pair.first as usize], ranks[pair.second as usize]);
+            if first < second {
+                (pair.first, pair.second) = (pair.second, pair.first);
+            }
+            starts[first.max(second) as usize + 1] += 1;
+        }
+        sum_up(starts);
+        sorted.clear();
+        sorted.resize(pairs.len(), Pair { first: 0, second: 0 });
+        for pair in pairs.iter() {
+            let start = &mut starts[ranks[pair.first as usize] as usize];
+            sorted[*start as usize] = *pair;
+            *start += 1;
+        }
+        std::mem::swap(pairs, sorted);
+    }
+
+    /// Finds the places of balls in the order of their heights, up to the height of a layer.
+    fn rank(&mut self, bodies: &[Body], up: DVec2) {
+        let Self { starts, ranks, .. } = self;
         let height = |body: &Body| body.position.dot(up);
         let (mut low, mut high, mut smallest) = (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
         for body in bodies {
@@ -46,24 +70,6 @@ impl Heights {
             *next += 1;
             *next - 1
         }));
-        starts.clear();
-        starts.resize(bodies.len() + 1, 0);
-        for pair in pairs.iter_mut() {
-            let (first, second) = (ranks[pair.first as usize], ranks[pair.second as usize]);
-            if first < second {
-                (pair.first, pair.second) = (pair.second, pair.first);
-            }
-            starts[first.max(second) as usize + 1] += 1;
-        }
-        sum_up(starts);
-        sorted.clear();
-        sorted.resize(pairs.len(), Pair { first: 0, second: 0 });
-        for pair in pairs.iter() {
-            let start = &mut starts[ranks[pair.first as usize] as usize];
-            sorted[*start as usize] = *pair;
-            *start += 1;
-        }
-        std::mem::swap(pairs, sorted);
     }
 }
 

@@ -227,20 +227,7 @@ fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, 
     let length = squared.sqrt();
     let normal = if squared < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { offset / length };
     let gap = length - reach;
-    // What was given along the old direction turns into the new one within a few substeps, as if the balls gripped each
-    // other a little: that works against the motion that turns it, and lets piles come to rest. Where the direction
-    // turns by more in a substep, or nothing presses any more, nothing is left of it.
-    let given = hold.normal * hold.impulse + hold.grip;
-    let steady = (normal - hold.normal).length_squared() < STEADY * STEADY;
-    if steady && hold.impulse > 0.0 {
-        hold.grip = (given - normal * hold.impulse) * (1.0 - LOOSENED);
-    } else {
-        (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
-    }
-    let more = normal * hold.impulse + hold.grip - given;
-    first.velocity += more * first.inverse_mass;
-    second.velocity -= more * second.inverse_mass;
-    hold.normal = normal;
+    turn(hold, normal, first, second);
     hold.least = if gap > 0.0 {
         let least = -gap / setting.substep;
         // Circles curve away from their tangent: where they pass each other as they go now, nothing brakes them.
@@ -265,6 +252,26 @@ fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, 
     };
     press(hold, first, second, YIELDING);
     true
+}
+
+/// Turns a hold into another direction.
+///
+/// What was given along the old one turns into the new one within a few substeps, as if the balls gripped each other a
+/// little: that works against the motion that turns it, and lets piles come to rest. Where the direction turns by more
+/// in a substep, or nothing presses any more, nothing is left of it.
+#[inline]
+fn turn(hold: &mut Hold, normal: DVec2, first: &mut Body, second: &mut Body) {
+    let given = hold.normal * hold.impulse + hold.grip;
+    let steady = (normal - hold.normal).length_squared() < STEADY * STEADY;
+    if steady && hold.impulse > 0.0 {
+        hold.grip = (given - normal * hold.impulse) * (1.0 - LOOSENED);
+    } else {
+        (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+    }
+    let more = normal * hold.impulse + hold.grip - given;
+    first.velocity += more * first.inverse_mass;
+    second.velocity -= more * second.inverse_mass;
+    hold.normal = normal;
 }
 
 /// Forgets how two balls held each other. What that has given them stays, as if it had been an impact.

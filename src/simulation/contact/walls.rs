@@ -50,43 +50,14 @@ pub(super) fn meet_walls(
     let end = body.end(setting.substep);
     let (low, high) = (DVec2::splat(body.radius), setting.size - body.radius);
     for axis in 0..2 {
-        let (gap, side) = if end[axis] < low[axis] {
-            (body.position[axis] - low[axis], 1.0)
+        let (wall, side) = if end[axis] < low[axis] {
+            (low[axis], 1.0)
         } else if end[axis] > high[axis] {
-            (high[axis] - body.position[axis], -1.0)
+            (high[axis], -1.0)
         } else {
             continue;
         };
-        let change = body.change(setting.kick)[axis];
-        // In closed form only where nothing but gravity acts on it along this axis.
-        let rests = side * beside.push[axis] > 0.0;
-        let lone = !rests && body.velocity[axis] == body.free[axis];
-        let (acceleration, start) = if lone {
-            (change / setting.substep, body.velocity[axis] - 0.5 * change)
-        } else {
-            // One that others press on the wall comes to it by what presses, which is no impact: without it, it came as
-            // fast as it moved before.
-            let mean = body.velocity[axis];
-            let first = mean - change * if rests { 1.0 } else { 0.5 };
-            (0.0, if side * first > side * mean { first } else { mean })
-        };
-        if rests && -side * start < setting.firm {
-            continue;
-        }
-        let hop = Hop { height: gap, speed: side * start, acceleration: side * acceleration };
-        let landed = hop.bounce(setting.substep, e);
-        // What it would have been, had nothing held it.
-        let velocity = match landed.at {
-            Some(at) if lone => side * at.speed - 0.5 * change,
-            Some(at) => side * at.speed,
-            None => change,
-        };
-        let height = landed.at.map_or(0.0, |at| at.height);
-        let wall = if side > 0.0 { low[axis] } else { high[axis] };
-        body.position[axis] = wall + side * height - velocity * setting.substep;
-        let given = velocity - body.velocity[axis];
-        body.velocity[axis] += given;
-        body.free[axis] += given;
+        let Some(landed) = meet_wall(setting, body, beside, (axis, wall, side), e) else { continue };
         if landed.fastest > setting.rest_speed {
             tally.wall_hits += u64::from(landed.bounces);
         }
@@ -98,6 +69,49 @@ pub(super) fn meet_walls(
         });
     }
     met
+}
+
+/// Bounces a ball off a wall across an axis, where its centre is when it touches it, px; `side` is 1 or −1, away from
+/// the wall. [`None`] where it rests there.
+fn meet_wall(
+    setting: &Setting,
+    body: &mut Body,
+    beside: &Beside,
+    (axis, wall, side): (usize, f64, f64),
+    e: f64,
+) -> Option<Landed> {
+    let change = body.change(setting.kick)[axis];
+    // In closed form only where nothing but gravity acts on it along this axis.
+    let rests = side * beside.push[axis] > 0.0;
+    let lone = !rests && body.velocity[axis] == body.free[axis];
+    let (acceleration, start) = if lone {
+        (change / setting.substep, body.velocity[axis] - 0.5 * change)
+    } else {
+        // One that others press on the wall comes to it by what presses, which is no impact: without it, it came as
+        // fast as it moved before.
+        let mean = body.velocity[axis];
+        let first = mean - change * if rests { 1.0 } else { 0.5 };
+        (0.0, if side * first > side * mean { first } else { mean })
+    };
+    if rests && -side * start < setting.firm {
+        return None;
+    }
+    let position = body.position[axis];
+    let height = if side > 0.0 { position - wall } else { wall - position };
+    let hop = Hop { height, speed: side * start, acceleration: side * acceleration };
+    let landed = hop.bounce(setting.substep, e);
+    // What it would have been, had nothing held it.
+    let velocity = match landed.at {
+        Some(at) if lone => side * at.speed - 0.5 * change,
+        Some(at) => side * at.speed,
+        None => change,
+    };
+    let height = landed.at.map_or(0.0, |at| at.height);
+    body.position[axis] = wall + side * height - velocity * setting.substep;
+    let given = velocity - body.velocity[axis];
+    body.velocity[axis] += given;
+    body.free[axis] += given;
+    Some(landed)
 }
 
 /// The time and the axis of the first wall that a fast ball meets after `since`. What gravity bends its path by is left
