@@ -171,10 +171,12 @@ impl fmt::Display for Replay {
 
 /// A number that other balls, another world or other rain hardly share (FNV-1a: Fowler, Noll & Vo 1991).
 fn fingerprint(simulation: &Simulation, rain: Option<&Rain>) -> u64 {
-    // The file that the scene would be written as has all of it, numbers to the last bit.
+    // The file that the scene would be written as has all of it, numbers to the last bit. But for the solver: what was
+    // chosen before the first frame stands with what a replay starts from.
     let text = scene::write(simulation, rain, "");
-    text.bytes()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    let lines = text.lines().filter(|line| !line.starts_with("solver"));
+    let hash = |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    lines.flat_map(str::bytes).fold(0xcbf2_9ce4_8422_2325, hash)
 }
 
 #[cfg(test)]
@@ -253,6 +255,17 @@ mod tests {
             let refused = Replay::parse(Path::new("a"), &replay, &changed);
             assert!(matches!(refused, Err(ReplayError::OtherScene { .. })), "{to}");
         }
+    }
+
+    #[test]
+    fn a_solver_chosen_before_the_first_frame_makes_no_other_scene() {
+        let scene = Scene::load("gravity").unwrap();
+        let mut session = Session::new(&scene, 1).unwrap();
+        session.apply(Change::Solver(Solver::Canvas).into()).unwrap();
+        session.advance_while(0.01, || true).unwrap();
+        let mut replay = Replay::parse(Path::new("a"), &session.replay().unwrap(), &scene).unwrap();
+        while replay.advance().unwrap() {}
+        assert_eq!(replay.simulation().balls(), session.simulation().balls());
     }
 
     #[test]
