@@ -151,7 +151,7 @@ fn star() -> impl Strategy<Value = Vec<(DVec2, f64, f64)>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1000) })]
 
     #[test]
     fn the_order_of_the_balls_does_not_matter_where_all_meet_at_once(arms in star(), e in 0.0..=1.0_f64, first in 0..6_usize) {

@@ -29,8 +29,11 @@ pub(super) struct Contact {
 
 /// The most sweeps that the impulses may take to settle.
 const MOST_SWEEPS: usize = 10_000;
-/// They have settled where a sweep changed no speed by more than this part of the balls' own.
+/// They have settled where a sweep changed no speed by more than this part of the balls' own ...
 const SETTLED: f64 = 4.0 * f64::EPSILON;
+/// ... or, where light balls are thrown about among heavy ones, go to and fro by their rounding: after so many sweeps, by
+/// no more than this part.
+const ROUNDED: (usize, f64) = (1000, 1e-12);
 
 /// Gives bodies their velocities after all contacts' impulses, and returns how many contacts push; `None`, with nothing
 /// changed, where the impulses do not settle, as with masses that are too unequal.
@@ -48,7 +51,7 @@ pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usiz
     };
     let scale = contacts.iter().map(speeds).fold(0.0, f64::max);
     let mut impulses = vec![0.0; contacts.len()];
-    for _ in 0..MOST_SWEEPS {
+    for sweep in 0..MOST_SWEEPS {
         let mut largest = 0.0_f64;
         for ((contact, impulse), approach) in contacts.iter().zip(&mut impulses).zip(&approaches) {
             let (first, second) = (bodies[contact.first], bodies[contact.second]);
@@ -60,7 +63,7 @@ pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usiz
             bodies[contact.first].velocity += contact.offset * (change * first.inverse_mass);
             bodies[contact.second].velocity -= contact.offset * (change * second.inverse_mass);
         }
-        if largest <= SETTLED * scale {
+        if largest <= SETTLED * scale || (sweep >= ROUNDED.0 && largest <= ROUNDED.1 * scale) {
             // Anew and in one go: the roundings of all sweeps have added up.
             bodies.copy_from_slice(&before);
             for (contact, &impulse) in contacts.iter().zip(&impulses) {
