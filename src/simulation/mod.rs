@@ -9,6 +9,7 @@ mod canvas;
 mod clock;
 mod contact;
 mod exact;
+mod fit;
 mod flight;
 pub mod grid;
 mod impulse;
@@ -19,13 +20,13 @@ mod simultaneous;
 mod solver;
 mod world;
 
-use std::fmt;
-
 use glam::DVec2;
 
 pub use ball::Ball;
 use clock::Clock;
-use limits::{DEFAULT_REST_SPEED, DELTA, MAX_BALLS, MAX_THREADS, OutOfRange, REST_SPEED, SUBSTEPS};
+pub use fit::BuildError;
+use fit::check_fit;
+use limits::{DEFAULT_REST_SPEED, DELTA, MAX_THREADS, OutOfRange, REST_SPEED, SUBSTEPS};
 use solver::{Advance, Frame, Tuning};
 pub use solver::{Part, Solver, UnknownSolver};
 pub use world::{Pairs, World};
@@ -55,25 +56,6 @@ pub struct Simulation {
     engine: Box<dyn Advance>,
     clock: Clock,
     tally: Tally,
-}
-
-/// Why balls and a world do not make a simulation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum BuildError {
-    /// A ball is wider than the walls are apart.
-    BallWiderThanWorld {
-        /// The ball's place in the list, from 0.
-        index: usize,
-        /// Its radius, px.
-        radius: f64,
-        /// The world's size, px.
-        size: DVec2,
-    },
-    /// There are more balls than [`limits::MAX_BALLS`].
-    TooManyBalls {
-        /// How many there are.
-        count: usize,
-    },
 }
 
 /// What has happened since the simulation began.
@@ -365,42 +347,6 @@ fn within(ball: &Ball, size: DVec2) -> DVec2 {
     // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
     ball.position.min(size - radius).max(radius)
 }
-
-/// Checks that `balls`, which come behind `before` others, fit into the world.
-fn check_fit(world: &World, balls: &[Ball], before: usize) -> Result<(), BuildError> {
-    let count = before + balls.len();
-    if count > MAX_BALLS {
-        return Err(BuildError::TooManyBalls { count });
-    }
-    if world.walls.is_some() {
-        let most = world.size.min_element() / 2.0;
-        if let Some(index) = balls.iter().position(|ball| ball.radius > most) {
-            let (radius, size) = (balls[index].radius, world.size);
-            return Err(BuildError::BallWiderThanWorld { index: before + index, radius, size });
-        }
-    }
-    Ok(())
-}
-
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::BallWiderThanWorld { index, radius, size } => write!(
-                f,
-                "ball {index} (radius {radius} px) is wider than the world ({}x{} px); \
-                 make the world larger or the radius at most {}",
-                size.x,
-                size.y,
-                size.min_element() / 2.0
-            ),
-            Self::TooManyBalls { count } => {
-                write!(f, "{count} balls are too many; the most is {MAX_BALLS}")
-            }
-        }
-    }
-}
-
-impl std::error::Error for BuildError {}
 
 #[cfg(test)]
 mod tests {

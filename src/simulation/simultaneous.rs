@@ -27,13 +27,24 @@ pub(super) struct Contact {
     pub restitution: f64,
 }
 
+impl Contact {
+    /// Pushes its two balls apart with an impulse of this many times its offset, mass/s.
+    fn push(&self, bodies: &mut [Body], impulse: f64) {
+        for (index, push) in [(self.first, impulse), (self.second, -impulse)] {
+            let body = &mut bodies[index];
+            body.velocity += self.offset * (push * body.inverse_mass);
+        }
+    }
+}
+
 /// The most sweeps that the impulses may take to settle.
 const MOST_SWEEPS: usize = 10_000;
 /// They have settled where a sweep changed no speed by more than this part of the balls' own ...
 const SETTLED: f64 = 4.0 * f64::EPSILON;
-/// ... or, where light balls are thrown about among heavy ones, go to and fro by their rounding: after so many sweeps, by
+/// ... or, where light balls are thrown about among heavy ones, go to and fro by their rounding: after [`LONG`] sweeps, by
 /// no more than this part.
-const ROUNDED: (usize, f64) = (1000, 1e-12);
+const ROUNDED: f64 = 1e-12;
+const LONG: usize = 1000;
 
 /// Gives bodies their velocities after all contacts' impulses, and returns how many contacts push; `None`, with nothing
 /// changed, where the impulses do not settle, as with masses that are too unequal.
@@ -60,17 +71,13 @@ pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usiz
             let change = (*impulse + short / give).max(0.0) - *impulse;
             *impulse += change;
             largest = largest.max(change.abs() * give);
-            bodies[contact.first].velocity += contact.offset * (change * first.inverse_mass);
-            bodies[contact.second].velocity -= contact.offset * (change * second.inverse_mass);
+            contact.push(bodies, change);
         }
-        if largest <= SETTLED * scale || (sweep >= ROUNDED.0 && largest <= ROUNDED.1 * scale) {
+        if largest <= SETTLED * scale || (sweep >= LONG && largest <= ROUNDED * scale) {
             // Anew and in one go: the roundings of all sweeps have added up.
             bodies.copy_from_slice(&before);
             for (contact, &impulse) in contacts.iter().zip(&impulses) {
-                let (first, second) =
-                    (before[contact.first].inverse_mass, before[contact.second].inverse_mass);
-                bodies[contact.first].velocity += contact.offset * (impulse * first);
-                bodies[contact.second].velocity -= contact.offset * (impulse * second);
+                contact.push(bodies, impulse);
             }
             return Some(impulses.iter().filter(|&&impulse| impulse > 0.0).count());
         }

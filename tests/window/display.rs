@@ -23,6 +23,15 @@ pub fn program() -> String {
     std::env::var("CAROM_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_carom").to_owned())
 }
 
+/// Waits until something is done.
+pub fn wait(what: &str, mut done: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !done() {
+        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}");
+        sleep(Duration::from_millis(30));
+    }
+}
+
 /// An X server of our own, and the right to be the only one with two cores' worth of software graphics.
 pub struct Display {
     server: Mutex<Child>,

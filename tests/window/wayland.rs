@@ -2,12 +2,10 @@
 //! window opens, shows its frames and ends is what can be tested. The rest is, on `sway`.
 
 use std::process::{Child, Command, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
 use tiny_skia::Pixmap;
 
-use super::display::{BACKGROUND, BALL, PATIENCE};
+use super::display::{BACKGROUND, BALL, program, wait};
 
 /// A compositor of our own.
 struct Compositor {
@@ -45,7 +43,7 @@ impl Compositor {
     }
 
     fn open(&self) -> Child {
-        let mut carom = self.command(env!("CARGO_BIN_EXE_carom"));
+        let mut carom = self.command(&program());
         carom.args(["elastic", "--quiet"]).stderr(Stdio::piped()).spawn().unwrap()
     }
 
@@ -65,14 +63,6 @@ impl Drop for Compositor {
     fn drop(&mut self) {
         let _ = self.weston.kill();
         let _ = self.weston.wait();
-    }
-}
-
-fn wait(what: &str, mut done: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !done() {
-        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}");
-        sleep(Duration::from_millis(50));
     }
 }
 

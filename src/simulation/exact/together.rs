@@ -9,7 +9,7 @@ use crate::simulation::Tally;
 use crate::simulation::flight::Pair;
 use crate::simulation::simultaneous::{Body, Contact, exchange};
 
-use super::flights::{Marks, Matter};
+use super::flights::Marks;
 use super::{Exact, LEAN, Needs};
 
 /// Balls touch where the square of their distance exceeds that at which they touch by at most this part of it: their
@@ -82,7 +82,8 @@ impl Exact {
         let cells = self.cells.as_ref()?;
         let mut group = Group::default();
         for (slot, velocity) in two {
-            self.join::<N>(&mut group, slot, velocity, now)?;
+            let (position, _) = self.state::<N>(slot, now);
+            self.join::<N>(&mut group, slot, (position, velocity))?;
         }
         let mut at = 0;
         while at < group.slots.len() {
@@ -107,7 +108,7 @@ impl Exact {
                 }
                 let second = match known {
                     Some(known) => known,
-                    None => self.join::<N>(&mut group, other, velocity, now)?,
+                    None => self.join::<N>(&mut group, other, (position, velocity))?,
                 };
                 let Meeting { offset, restitution, .. } = meeting;
                 group.contacts.push(Contact { first: at, second, offset, restitution });
@@ -142,18 +143,22 @@ impl Exact {
         Some(Meeting { offset: -pair.offset, restitution, may_rest })
     }
 
-    /// Adds a ball with this velocity to a group, and returns its place there, or [`None`] where walls or others hold
-    /// it.
-    fn join<N: Needs>(&self, group: &mut Group, slot: usize, velocity: DVec2, now: f64) -> Option<usize> {
-        let Matter { mass, .. } = *self.matter::<N>(slot);
+    /// Adds a ball with this position and velocity to a group, and returns its place there, or [`None`] where walls or
+    /// others hold it.
+    fn join<N: Needs>(
+        &self,
+        group: &mut Group,
+        slot: usize,
+        (position, velocity): (DVec2, DVec2),
+    ) -> Option<usize> {
+        let matter = self.matter::<N>(slot);
         let marks = self.marks[slot];
-        let fixed = mass == f64::INFINITY;
-        if N::HOLDS && !fixed && (marks.rests() != 0 || marks.has(Marks::HELD)) {
+        if N::HOLDS && !matter.is_fixed() && (marks.rests() != 0 || marks.has(Marks::HELD)) {
             return None;
         }
         group.slots.push(slot);
-        group.positions.push(self.state::<N>(slot, now).0);
-        group.bodies.push(Body { velocity, inverse_mass: 1.0 / mass });
+        group.positions.push(position);
+        group.bodies.push(Body { velocity, inverse_mass: 1.0 / matter.mass });
         Some(group.slots.len() - 1)
     }
 }

@@ -20,7 +20,7 @@ use tiny_skia::Pixmap;
 use wayland_client::protocol::wl_pointer::{Axis, AxisSource, ButtonState};
 use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1::ZwlrVirtualPointerV1;
 
-use super::display::{BACKGROUND, PATIENCE, alone, processor_time, program};
+use super::display::{BACKGROUND, PATIENCE, alone, processor_time, program, wait};
 use super::files::balls_in;
 use mouse::Mouse;
 
@@ -289,14 +289,6 @@ impl Drop for Window<'_> {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
-    }
-}
-
-fn wait(what: &str, mut done: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !done() {
-        assert!(start.elapsed() < PATIENCE, "waited in vain for {what}");
-        sleep(Duration::from_millis(20));
     }
 }
 

@@ -5,11 +5,15 @@
 //! anywhere and the grid stays small; a pair found by that coincidence fails the comparison of true distances. A ball
 //! too big for the cells looks up the cells that it reaches instead, so one giant among grains costs only itself.
 
+mod collect;
+mod insert;
+
 use std::ops::Range;
 
 use glam::DVec2;
 
 use super::ball::Ball;
+use insert::Insertions;
 
 /// A uniform grid over balls, reused from frame to frame.
 #[derive(Debug, Clone)]
@@ -26,6 +30,7 @@ pub struct Grid {
     cell_of: Vec<u32>,
     sorted: Vec<Entry>,
     large: Vec<Entry>,
+    /// What was inserted since.
     inserted: Box<Insertions>,
     touching: Vec<(u32, u32)>,
 }
@@ -56,24 +61,6 @@ struct Entry {
     index: u32,
 }
 
-/// Balls that were inserted since others were sorted.
-#[derive(Debug, Clone, Default)]
-struct Insertions {
-    /// A chain for each cell.
-    chained: Vec<Inserted>,
-    /// The last of each chain.
-    lasts: Vec<u32>,
-    /// Those too large for the cells.
-    large: Vec<u32>,
-}
-
-/// A ball in a cell to which it was not sorted, and the one before it there.
-#[derive(Debug, Clone, Copy)]
-struct Inserted {
-    index: u32,
-    before: u32,
-}
-
 /// A part of a cell that covers the rounding of coordinates: 2⁻¹² of a cell while they are less than [`FAR`] cells.
 const EDGE: f64 = 1.0 / 1024.0;
 /// Cells are this much wider than the largest diameter, so that rounding never puts two touching balls two
@@ -88,17 +75,8 @@ const ROUND_TO_BITS: f64 = 1.5 * (1_u64 << 52) as f64;
 const MOST_DOUBLINGS: usize = 14;
 /// The fewest cells on an axis: with four, a cell's neighbours on both sides are different cells.
 const FEWEST: usize = 4;
-/// The most others, at least half as large, that [`Grid::collect`] pairs a ball with from one run of cells. Balls that
-/// do not lie in each other are fewer; of a crowd at one point each is held apart from so many at a time, and from the
-/// rest when these are gone.
-const MOST_BESIDE: usize = 64;
-/// More balls than this in the cells beside one are a crowd, of which the first that touch it are enough.
-const CROWD: usize = 256;
 /// Marks a ball that is kept out of the cells.
 const NO_CELL: u32 = u32::MAX;
-/// The beginning of a chain.
-const NONE: u32 = u32::MAX;
-
 impl Grid {
     /// A grid with cells that suit the radii of `balls` in a world of `size` px. It stays right, if not fast, for any
     /// other balls.
@@ -173,63 +151,9 @@ impl Grid {
         self.compare_large(&mut contact);
     }
 
-    /// Replaces `pairs` by each pair of `discs` that touches, in no particular order, and at most [`MOST_BESIDE`] of a
-    /// crowd.
-    pub(super) fn collect<P: Copy>(
-        &mut self,
-        discs: &[impl Disc],
-        pairs: &mut Vec<P>,
-        pair: impl Fn(u32, u32) -> P,
-    ) {
-        self.sort_into_cells(discs);
-        self.collect_rows(0..self.rows, pairs, &pair);
-        self.compare_large(&mut |first, second| pairs.push(pair(first, second)));
-    }
-
     /// How many rows of cells there are.
     pub(super) fn rows(&self) -> usize {
         self.rows
-    }
-
-    /// Replaces `pairs` by each pair that touches and is found from these rows of cells; discs too large for the cells
-    /// are left out. The discs must have been sorted into the cells.
-    pub(super) fn collect_rows<P: Copy>(
-        &self,
-        rows: Range<usize>,
-        pairs: &mut Vec<P>,
-        pair: impl Fn(u32, u32) -> P,
-    ) {
-        let mut found = 0;
-        let mut smallest = None;
-        self.neighbours(rows, &mut |ball: &Entry, others: &[Entry]| {
-            let before = found;
-            if others.len() > CROWD {
-                let smallest = *smallest.get_or_insert_with(|| self.smallest());
-                pairs.truncate(found);
-                pairs.extend(
-                    ball.not_too_many(others, smallest)
-                        .map(|other| pair(ball.index.min(other.index), ball.index.max(other.index))),
-                );
-                found = pairs.len();
-                return;
-            }
-            // Each is written, and the next writes over it where it did not touch: no branch that cannot be foreseen.
-            if pairs.len() < found + others.len() {
-                pairs.resize(2 * (found + others.len()), pair(0, 0));
-            }
-            for other in others {
-                pairs[found] = pair(ball.index.min(other.index), ball.index.max(other.index));
-                found += usize::from(touch(ball.position, ball.radius, other.position, other.radius));
-            }
-            if found > before + MOST_BESIDE {
-                found = before;
-                for other in ball.not_too_many(others, 0.0) {
-                    pairs[found] = pair(ball.index.min(other.index), ball.index.max(other.index));
-                    found += 1;
-                }
-            }
-        });
-        pairs.truncate(found);
     }
 
     /// Whether the last search compared more pairs of discs that are too large for the cells than there are discs:
@@ -262,10 +186,7 @@ impl Grid {
         self.starts.resize(self.columns * self.rows + 1, 0);
         self.cell_of.clear();
         self.large.clear();
-        let Insertions { chained, lasts, large } = &mut *self.inserted;
-        chained.clear();
-        lasts.clear();
-        large.clear();
+        self.inserted.clear();
         for (index, disc) in discs.iter().enumerate() {
             if disc.radius() > self.reach {
                 self.cell_of.push(NO_CELL);
@@ -348,41 +269,6 @@ impl Grid {
         }
     }
 
-    /// Inserts a disc that is new, or has moved; where it was sorted to it stays, too.
-    pub(super) fn insert(&mut self, index: u32, disc: &impl Disc) {
-        let Insertions { chained, lasts, large } = &mut *self.inserted;
-        if disc.radius() > self.reach {
-            large.push(index);
-            return;
-        }
-        lasts.resize(self.columns * self.rows, NONE);
-        let centre = disc.centre() * self.density;
-        let cell = wrap(centre.y, self.rows) * self.columns + wrap(centre.x, self.columns);
-        let before = std::mem::replace(&mut lasts[cell], chained.len() as u32);
-        chained.push(Inserted { index, before });
-    }
-
-    /// Calls `visit` with each disc that may touch one of `radius` about `centre`, among others; one that was sorted
-    /// and inserted may come twice.
-    pub(super) fn for_each_near(&self, centre: DVec2, radius: f64, mut visit: impl FnMut(u32)) {
-        self.large.iter().for_each(|entry| visit(entry.index));
-        self.inserted.large.iter().for_each(|&index| visit(index));
-        self.reached(centre, radius, |cell| {
-            self.in_cell(cell).iter().for_each(|entry| visit(entry.index));
-            let mut last = self.inserted.lasts.get(cell).copied().unwrap_or(NONE);
-            while last != NONE {
-                let Inserted { index, before } = self.inserted.chained[last as usize];
-                visit(index);
-                last = before;
-            }
-        });
-    }
-
-    /// The smallest radius of a disc in the cells, px.
-    fn smallest(&self) -> f64 {
-        self.sorted.iter().map(|entry| entry.radius).fold(f64::INFINITY, f64::min)
-    }
-
     /// The discs that were sorted to a cell.
     fn in_cell(&self, cell: usize) -> &[Entry] {
         &self.sorted[self.starts[cell] as usize..self.starts[cell + 1] as usize]
@@ -407,24 +293,9 @@ impl Entry {
         Self { position: disc.centre(), radius: disc.radius(), index: index as u32 }
     }
 
-    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more. None of them
-    /// is smaller than `smallest`.
-    fn not_too_many<'a>(&self, others: &'a [Self], smallest: f64) -> impl Iterator<Item = &'a Self> {
-        let Self { position, radius, .. } = *self;
-        let all_large = 2.0 * smallest >= radius;
-        let mut left = MOST_BESIDE;
-        let takes = move |other: &'a Self| {
-            // Of a crowd no more are looked at than are needed.
-            if left == 0 && all_large {
-                return None;
-            }
-            let beside = touch(position, radius, other.position, other.radius);
-            let large = beside && 2.0 * other.radius >= radius;
-            let takes = beside && !(large && left == 0);
-            left -= usize::from(large && takes);
-            Some(takes.then_some(other))
-        };
-        others.iter().map_while(takes).flatten()
+    /// The two balls' indices, the lower first.
+    fn pair_with(&self, other: &Self) -> (u32, u32) {
+        (self.index.min(other.index), self.index.max(other.index))
     }
 }
 
@@ -471,7 +342,8 @@ fn span(low: f64, high: f64, count: usize) -> Range<usize> {
 fn compare(ball: &Entry, others: &[Entry], contact: &mut impl FnMut(u32, u32)) {
     for other in others {
         if touch(ball.position, ball.radius, other.position, other.radius) {
-            contact(ball.index.min(other.index), ball.index.max(other.index));
+            let (first, second) = ball.pair_with(other);
+            contact(first, second);
         }
     }
 }
@@ -551,29 +423,5 @@ mod tests {
         assert_eq!(grid.touching().len(), 190);
         assert!(!grid.find_up_to(189, &balls));
         assert_eq!(grid.touching(), []);
-    }
-
-    #[test]
-    fn of_a_crowd_each_ball_has_so_many_pairs_with_large_ones_and_all_with_small_ones() {
-        let at = |radius: f64| Ball::new(DVec2::splat(50.0), radius).unwrap();
-        for small in [0, 100] {
-            let mut balls = vec![at(4.0); 1000];
-            balls.extend(vec![at(1.0); small]);
-            let mut pairs = Vec::new();
-            Grid::new(&balls, DVec2::splat(100.0)).collect(&balls, &mut pairs, |i, j| (i, j));
-            let mut counts = vec![0; balls.len()];
-            for &(i, j) in &pairs {
-                let large = j < 1000;
-                assert!(i < j && i < 1000 + small as u32);
-                counts[i as usize] += usize::from(large);
-                counts[j as usize] += usize::from(large);
-            }
-            // Each in one direction; in the other as many may have it.
-            assert!(counts[..1000].iter().all(|&count| count >= MOST_BESIDE), "{small}");
-            let all_large = pairs.iter().filter(|&&(i, j)| i < 1000 && j < 1000).count();
-            assert!(all_large <= 1000 * MOST_BESIDE, "{small}: {all_large}");
-            let mixed = pairs.iter().filter(|&&(i, j)| i < 1000 && j >= 1000).count();
-            assert_eq!(mixed, 1000 * small);
-        }
     }
 }

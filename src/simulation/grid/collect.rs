@@ -1,0 +1,123 @@
+//! Pairs that touch, as a list of any kind, with few of a crowd.
+
+use std::ops::Range;
+
+use super::{Disc, Entry, Grid, touch};
+
+/// The most others, at least half as large, that [`Grid::collect`] pairs a ball with from one run of cells. Balls that
+/// do not lie in each other are fewer; of a crowd at one point each is held apart from so many at a time, and from the
+/// rest when these are gone.
+const MOST_BESIDE: usize = 64;
+/// More balls than this in the cells beside one are a crowd, of which the first that touch it are enough.
+const CROWD: usize = 256;
+
+impl Grid {
+    /// Replaces `pairs` by each pair of `discs` that touches, in no particular order, and at most [`MOST_BESIDE`] of a
+    /// crowd.
+    pub(in crate::simulation) fn collect<P: Copy>(
+        &mut self,
+        discs: &[impl Disc],
+        pairs: &mut Vec<P>,
+        pair: impl Fn(u32, u32) -> P,
+    ) {
+        self.sort_into_cells(discs);
+        self.collect_rows(0..self.rows, pairs, &pair);
+        self.compare_large(&mut |first, second| pairs.push(pair(first, second)));
+    }
+
+    /// Replaces `pairs` by each pair that touches and is found from these rows of cells; discs too large for the cells
+    /// are left out. The discs must have been sorted into the cells.
+    pub(in crate::simulation) fn collect_rows<P: Copy>(
+        &self,
+        rows: Range<usize>,
+        pairs: &mut Vec<P>,
+        pair: impl Fn(u32, u32) -> P,
+    ) {
+        let mut found = 0;
+        let mut smallest = None;
+        self.neighbours(rows, &mut |ball: &Entry, others: &[Entry]| {
+            let paired = |other: &Entry| {
+                let (first, second) = ball.pair_with(other);
+                pair(first, second)
+            };
+            let before = found;
+            if others.len() <= CROWD {
+                // Each is written, and the next writes over it where it did not touch: no branch that cannot be
+                // foreseen.
+                if pairs.len() < found + others.len() {
+                    pairs.resize(2 * (found + others.len()), pair(0, 0));
+                }
+                for other in others {
+                    pairs[found] = paired(other);
+                    found += usize::from(touch(ball.position, ball.radius, other.position, other.radius));
+                }
+            }
+            if others.len() > CROWD || found > before + MOST_BESIDE {
+                let smallest = *smallest.get_or_insert_with(|| self.smallest());
+                pairs.truncate(before);
+                pairs.extend(ball.not_too_many(others, smallest).map(paired));
+                found = pairs.len();
+            }
+        });
+        pairs.truncate(found);
+    }
+
+    /// The smallest radius of a disc in the cells, px.
+    fn smallest(&self) -> f64 {
+        self.sorted.iter().map(|entry| entry.radius).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl Entry {
+    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more. None of them
+    /// is smaller than `smallest`.
+    fn not_too_many<'a>(&self, others: &'a [Self], smallest: f64) -> impl Iterator<Item = &'a Self> {
+        let Self { position, radius, .. } = *self;
+        let all_large = 2.0 * smallest >= radius;
+        let mut left = MOST_BESIDE;
+        let takes = move |other: &'a Self| {
+            // Of a crowd no more are looked at than are needed.
+            if left == 0 && all_large {
+                return None;
+            }
+            let beside = touch(position, radius, other.position, other.radius);
+            let large = beside && 2.0 * other.radius >= radius;
+            let takes = beside && !(large && left == 0);
+            left -= usize::from(large && takes);
+            Some(takes.then_some(other))
+        };
+        others.iter().map_while(takes).flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::simulation::ball::Ball;
+
+    #[test]
+    fn of_a_crowd_each_ball_has_so_many_pairs_with_large_ones_and_all_with_small_ones() {
+        let at = |radius: f64| Ball::new(DVec2::splat(50.0), radius).unwrap();
+        for small in [0, 100] {
+            let mut balls = vec![at(4.0); 1000];
+            balls.extend(vec![at(1.0); small]);
+            let mut pairs = Vec::new();
+            Grid::new(&balls, DVec2::splat(100.0)).collect(&balls, &mut pairs, |i, j| (i, j));
+            let mut counts = vec![0; balls.len()];
+            for &(i, j) in &pairs {
+                let large = j < 1000;
+                assert!(i < j && i < 1000 + small as u32);
+                counts[i as usize] += usize::from(large);
+                counts[j as usize] += usize::from(large);
+            }
+            // Each in one direction; in the other as many may have it.
+            assert!(counts[..1000].iter().all(|&count| count >= MOST_BESIDE), "{small}");
+            let all_large = pairs.iter().filter(|&&(i, j)| i < 1000 && j < 1000).count();
+            assert!(all_large <= 1000 * MOST_BESIDE, "{small}: {all_large}");
+            let mixed = pairs.iter().filter(|&&(i, j)| i < 1000 && j >= 1000).count();
+            assert_eq!(mixed, 1000 * small);
+        }
+    }
+}
