@@ -8,6 +8,9 @@ use std::time::{Duration, Instant};
 pub(super) struct Timings {
     parts: [Spread; 4],
     own: Spread,
+    processor: Spread,
+    /// The processor time of the window's thread when the turn began, where it can be had.
+    began: Option<Duration>,
 }
 
 /// The names of a frame's parts.
@@ -21,10 +24,19 @@ impl Timings {
         }
     }
 
+    /// Begins a turn of the event loop.
+    pub(super) fn begin_turn(&mut self) {
+        self.began = processor_time();
+    }
+
     /// Adds a turn of the event loop: all that the program did from when it woke until it slept, without what the
-    /// graphics library took.
+    /// graphics library took; and the processor time of the window's thread, which a machine that does other things
+    /// does not lengthen, with what the graphics library took of it.
     pub(super) fn add_turn(&mut self, own: Duration) {
         self.own.add(own);
+        if let Some((before, now)) = self.began.zip(processor_time()) {
+            self.processor.add(now.saturating_sub(before));
+        }
     }
 }
 
@@ -32,13 +44,26 @@ impl fmt::Display for Timings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "frame times in ms, {} frames", self.parts[0].count())?;
         let parts = PARTS.iter().zip(&self.parts);
-        for (name, spread) in parts.chain([(&"own", &self.own)]).filter(|(_, spread)| spread.count() > 0) {
+        let turns = [(&"own", &self.own), (&"processor", &self.processor)];
+        for (name, spread) in parts.chain(turns).filter(|(_, spread)| spread.count() > 0) {
             let [median, most, longest] =
                 [spread.share(0.5), spread.share(0.99), spread.longest].map(|time| time.as_secs_f64() * 1e3);
-            write!(f, "\n{name:<8} median {median:.4}, 99 % under {most:.4}, longest {longest:.4}")?;
+            write!(f, "\n{name:<9} median {median:.4}, 99 % under {most:.4}, longest {longest:.4}")?;
         }
         Ok(())
     }
+}
+
+/// The processor time that this thread has taken so far.
+#[cfg(unix)]
+fn processor_time() -> Option<Duration> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::try_from(time).ok()
+}
+
+#[cfg(not(unix))]
+fn processor_time() -> Option<Duration> {
+    None
 }
 
 /// How often times came, in steps of a sixteenth of a doubling (4 %), and the longest: a histogram that takes as much

@@ -110,6 +110,9 @@ pub(super) struct App {
 impl ApplicationHandler for App {
     fn new_events(&mut self, _: &ActiveEventLoop, _: StartCause) {
         self.turn = Turn::begin(Instant::now());
+        if let Some(timings) = &mut self.timings {
+            timings.begin_turn();
+        }
     }
 
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
