@@ -48,7 +48,7 @@ const BALLS: &str = "
 #[test]
 fn a_pile_that_falls_and_settles_is_the_same_for_any_number_of_threads() {
     let fill = "[[fill]]\ncount = 3000\nradius = [3, 6]\nrestitution = 0.6\n";
-    for (sleep, frames) in [(false, 90), (true, 150)] {
+    for (sleep, frames) in [(false, 45), (true, 150)] {
         let text = format!("size = [900, 500]\ngravity = [0, 980]\n{BALLS}{fill}");
         check("pile", &text, sleep, frames);
     }
@@ -60,9 +60,9 @@ fn a_pile_that_falls_and_settles_is_the_same_for_any_number_of_threads() {
 fn a_gas_is_the_same_for_any_number_of_threads() {
     let fill = "[[fill]]\ncount = 4000\nradius = 3\nspeed = 300\n";
     let text = format!("size = [900, 700]\nsolver = \"contact\"\n[walls]\n[pairs]\n{fill}");
-    check("elastic gas", &text, true, 120);
+    check("elastic gas", &text, true, 45);
     let granular = "[[fill]]\ncount = 4000\nradius = [1, 4]\nspeed = [100, 2000]\nrestitution = 0.8\n";
-    check("granular gas", &format!("size = [700, 500]\n{BALLS}{granular}"), true, 120);
+    check("granular gas", &format!("size = [700, 500]\n{BALLS}{granular}"), true, 45);
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn giants_bullets_and_fixed_balls_among_thousands_are_the_same_for_any_number_of
     ";
     for sleep in [false, true] {
         let text = format!("size = [1000, 560]\ngravity = [0, 980]\n{BALLS}{others}");
-        check("giants", &text, sleep, 90);
+        check("giants", &text, sleep, 45);
     }
 }
 

@@ -120,7 +120,7 @@ impl Simulation {
 
     /// The same simulation with so many substeps in a second for [`Solver::Contact`], the only one that takes any. Left
     /// to itself it takes 240, and a multiple of that where gravity g is strong beside the smallest radius r, so that
-    /// g·h² stays under r/50 for substeps of h seconds.
+    /// g·h² stays under r/100 for substeps of h seconds.
     ///
     /// Balls that fly, and meet one after the other, do so to rounding whatever the number. With fewer substeps than it
     /// would choose, piles sink in by up to a few times g·h², and what lies on a wall of restitution 1 hops as high;

@@ -252,6 +252,30 @@ fn coincident_centres_part() {
     }
 }
 
+#[test]
+fn elastic_balls_that_fall_and_bounce_in_a_box_keep_their_energy() {
+    let mut changes: Vec<f64> = (0..10).map(elastic_box).collect();
+    changes.sort_by(f64::total_cmp);
+    // Three that meet at a wall within a substep, or graze each other there, may be held without restitution.
+    assert!(changes[7] < 1e-13 && changes[9] < 1e-3, "{changes:?}");
+}
+
+/// By how much of itself the energy of thirty elastic balls changes in ten seconds in a box that they fill to two
+/// fifths, px; each number is another game.
+fn elastic_box(number: u32) -> f64 {
+    let world = World::new(DVec2::splat(170.0)).unwrap().with_walls(1.0).unwrap();
+    let world = world.with_gravity(DVec2::new(0.0, 980.0)).unwrap().with_pairs(Pairs::Impulse);
+    let of = |k: u32| {
+        let position = 15.0 + 28.0 * DVec2::new(f64::from(k % 6), f64::from(k / 6));
+        let velocity = 150.0 * DVec2::from_angle(f64::from(2 * k + number));
+        Ball::new(position, 10.0).unwrap().with_velocity(velocity).unwrap()
+    };
+    let mut simulation = Simulation::new(world, (0..30).map(of).collect(), Solver::Contact).unwrap();
+    let start = energy(&simulation);
+    (0..600).for_each(|_| simulation.advance(FRAME).unwrap());
+    (energy(&simulation) / start - 1.0).abs()
+}
+
 /// The settled pile of the issue, small: half a 16:9 box of balls of radius 3 to 6.
 fn pile(count: usize) -> Simulation {
     let area = count as f64 * std::f64::consts::PI * 21.0 * 2.0;
@@ -282,12 +306,12 @@ fn assert_settles(count: usize, energy_back: f64, most_overlap: f64, most_speed:
 
 #[test]
 fn a_pile_settles_with_little_overlap_and_its_energy_does_not_rise() {
-    assert_settles(300, 1e-3, 0.05, 5.0);
+    assert_settles(300, 1e-3, 0.03, 1.0);
 }
 
 #[test]
 fn a_pile_of_thousands_settles_with_little_overlap_and_gets_no_more_than_a_hundredth_of_its_energy_back() {
-    assert_settles(2500, 1e-2, 0.1, 50.0);
+    assert_settles(2500, 1e-2, 0.05, 20.0);
 }
 
 #[test]

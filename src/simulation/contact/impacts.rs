@@ -132,6 +132,14 @@ impl PartialOrd for Event {
 }
 
 impl Event {
+    /// The place of the pair that meets, if it is one.
+    pub(super) fn pair(&self) -> Option<Spot> {
+        match self.what {
+            What::Pair(spot) => Some(spot),
+            What::Wall(_) | What::FastWall(..) => None,
+        }
+    }
+
     /// The same, foreseen by the stripe of this number as if it were all there is.
     pub(super) fn of_stripe(self, number: usize) -> Self {
         let spot = |spot: Spot| Spot { stripe: number as u32, ..spot };
@@ -285,7 +293,7 @@ impl Stage<'_> {
     }
 
     /// Whether, and how, two bodies meet in this substep after both were hit.
-    fn meeting(&self, (i, j): (usize, usize), held: bool) -> Option<Meeting> {
+    pub(super) fn meeting(&self, (i, j): (usize, usize), held: bool) -> Option<Meeting> {
         let since = self.fates[i].time.max(self.fates[j].time);
         Meeting::of(self.setting, &self.bodies[i], &self.bodies[j], held, since)
     }
@@ -323,11 +331,8 @@ impl Stage<'_> {
                 // A fixed ball goes on as it was: all that is foreseen of it still holds.
                 let moved = [i, j].map(|body| (self.bodies[body].inverse_mass > 0.0).then_some(body));
                 for body in moved.into_iter().flatten() {
-                    let fate = &mut self.fates[body];
-                    fate.shift
-                        .raise(Shift::Some, meeting.time * meeting.speed > SHIFT * self.bodies[body].radius);
-                    fate.slow = false;
-                    self.note(body, event.time);
+                    let far = meeting.time * meeting.speed > SHIFT * self.bodies[body].radius;
+                    self.note_hit(body, event.time, if far { Shift::Some } else { Shift::None });
                     self.fates[body].shift.raise(Shift::Far, fast);
                 }
                 moved
@@ -335,12 +340,13 @@ impl Stage<'_> {
             What::Wall(spot) => {
                 let beside = stripes.list[spot.stripe as usize].beside[spot.at as usize];
                 let body = stripes.layout.start(spot.stripe as usize) + beside.body as usize;
-                let Some(met) = meet_walls(self.setting, &mut self.bodies[body], &beside, self.tally) else {
+                let since = self.fates[body].time;
+                let Some(met) = meet_walls(self.setting, &mut self.bodies[body], &beside, since, self.tally)
+                else {
                     return [None; 2];
                 };
                 self.fates[body].shift.raise(Shift::Some, met.shifts);
-                let time = met.time.max(self.fates[body].time);
-                self.note(body, time);
+                self.note(body, met.time.max(event.time));
                 [Some(body), None]
             }
             What::FastWall(body, axis) => {
@@ -353,6 +359,14 @@ impl Stage<'_> {
                 [Some(body), None]
             }
         }
+    }
+
+    /// Notes that a body was hit by another, and how that shifts it.
+    pub(super) fn note_hit(&mut self, body: usize, time: f64, shift: Shift) {
+        let fate = &mut self.fates[body];
+        fate.shift.raise(shift, true);
+        fate.slow = false;
+        self.note(body, time);
     }
 
     /// Notes that a body was hit.
@@ -381,7 +395,7 @@ impl Stage<'_> {
 
 /// The bodies of a pair.
 #[inline]
-fn pair(spot: Spot, stripes: &Stripes<'_>) -> (usize, usize) {
+pub(super) fn pair(spot: Spot, stripes: &Stripes<'_>) -> (usize, usize) {
     let pair = stripes.list[spot.stripe as usize].pairs[spot.at as usize];
     let start = stripes.layout.start(spot.stripe as usize);
     (start + pair.first as usize, start + pair.second as usize)

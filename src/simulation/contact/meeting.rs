@@ -39,7 +39,7 @@ pub(super) struct Meeting {
     /// When, s after the substep's beginning.
     pub(super) time: f64,
     /// Where the first is then, seen from the second, px.
-    offset: DVec2,
+    pub(super) offset: DVec2,
     length: f64,
     /// Speed of approach, px/s.
     pub(super) speed: f64,
@@ -110,10 +110,7 @@ pub(super) fn exchange(
         }
     }
     meeting.exchange(stage.bodies, (i, j), stage.restitutions[i].min(stage.restitutions[j]));
-    if let Some(hold) = stripes.list[spot.stripe as usize].holds.get_mut(spot.at as usize) {
-        hold.met |= meeting.time > 0.0;
-        stripes.list[spot.stripe as usize].live[spot.at as usize] = true;
-    }
+    stripes.list[spot.stripe as usize].note_met(spot.at as usize, meeting.time > 0.0);
     stage.tally.impacts += u64::from(meeting.speed > stage.setting.rest_speed);
     (stage.hit[i], stage.hit[j]) = (true, true);
 }

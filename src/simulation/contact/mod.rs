@@ -4,7 +4,8 @@
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `order`; of
 //!    single balls `cover`);
-//! 3. balls that meet exchange momentum at their time of impact (`rounds`, `impacts`, `meeting`, `walls`);
+//! 3. balls that meet exchange momentum at their time of impact (`rounds`, `impacts`, `meeting`, `together`,
+//!    `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
 //!    (`support`);
 //! 5. balls move (`Contact::travel`);
@@ -26,6 +27,7 @@ mod sleep;
 mod stripes;
 mod support;
 mod team;
+mod together;
 mod walls;
 
 use glam::DVec2;
@@ -46,9 +48,13 @@ use team::Team;
 pub(super) const RATE: u32 = 240;
 /// Gravity moves a ball at rest by at most this part of the smallest radius in a substep: else what falls within one
 /// would count for more than what is held.
-const SINKING: f64 = 0.02;
+const SINKING: f64 = 0.01;
 /// ... as long as substeps are not shortened more than so many times.
 const MOST_SHORTENED: f64 = 1024.0;
+
+/// Overlaps are taken away at this many sums of both radii a second at most, and faster where gravity asks for shorter
+/// substeps: what starts in an overlap parts, and is not shot away.
+const MENDING: f64 = 4.0;
 
 /// A pair that holds each other bounces only where it meets faster than so many kicks of gravity.
 const FIRM: f64 = 2.0;
@@ -111,6 +117,8 @@ struct Setting {
     can_rest: bool,
     /// A pair that holds each other bounces only where it meets faster than this, px/s.
     firm: f64,
+    /// Overlaps are taken away at so many sums of both radii a second, at most.
+    mending: f64,
     /// Impacts slower than this are not counted, px/s.
     rest_speed: f64,
 }
@@ -163,6 +171,7 @@ impl Contact {
             kick,
             can_rest: can_rest(world, balls),
             firm: FIRM * kick.length(),
+            mending: MENDING * (f64::from(rate) / f64::from(RATE)).max(1.0),
             // Without gravity there is no chatter to be left out.
             rest_speed: if kick == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
         };

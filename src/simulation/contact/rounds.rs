@@ -209,12 +209,22 @@ fn second_round(mut stage: Stage<'_>, near: &mut Near) {
         if !stage.still_holds(&event, Stage::bodies_of(&event, stripes)) {
             continue;
         }
-        let hit = stage.take(&event, stripes);
-        for body in hit.into_iter().flatten() {
-            near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
+        let together = if layout.is_cut() { None } else { stage.take_together(&event, stripes) };
+        if let Some(hit) = together {
+            go_on(&mut stage, near, hit.iter().copied());
+        } else {
+            let hit = stage.take(&event, stripes);
+            go_on(&mut stage, near, hit.into_iter().flatten());
         }
-        for body in hit.into_iter().flatten() {
-            stage.foresee(body, &mut near.all());
-        }
+    }
+}
+
+/// Looks at what comes of bodies that were hit.
+fn go_on(stage: &mut Stage<'_>, near: &mut Near, hit: impl Iterator<Item = usize> + Clone) {
+    for body in hit.clone() {
+        near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
+    }
+    for body in hit {
+        stage.foresee(body, &mut near.all());
     }
 }

@@ -53,6 +53,8 @@ pub(super) struct Stripe {
     pub(super) leaving: usize,
     /// Whether any of its bodies is fast.
     pub(super) has_fast: bool,
+    /// Whether impulses that hold apart changed much in the last sweep.
+    pub(super) unsettled: bool,
     /// What happened in the first round.
     pub(super) tally: Tally,
 }
@@ -104,6 +106,14 @@ impl Stripe {
             self.holds.push(Hold { mass: give.recip(), ..Hold::NONE });
             self.held.push(false);
             self.live.push(false);
+        }
+    }
+
+    /// Notes that a pair has exchanged momentum; `after` the substep's beginning or right then.
+    pub(super) fn note_met(&mut self, at: usize, after: bool) {
+        if let Some(hold) = self.holds.get_mut(at) {
+            hold.met |= after;
+            self.live[at] = true;
         }
     }
 

@@ -1,8 +1,8 @@
 //! What holds balls that press on each other and on walls: impulses without restitution, never negative, that leave no
 //! pair closer than touching at the end of the substep.
 //!
-//! They are found by projected Gauss–Seidel sweeps (Cottle, Pang & Stone 1992), one against gravity and one back, which
-//! start from the impulses of the last substep. An impulse gives way a little, so that overlaps follow loads, as
+//! They are found by projected Gauss–Seidel sweeps (Cottle, Pang & Stone 1992), one against gravity and one back, and
+//! again where these have not settled, which start from the impulses of the last substep. An impulse gives way a little, so that overlaps follow loads, as
 //! springs would have it (soft constraints; Catto 2011): without that, a pile of rigid balls without friction never
 //! comes to rest. What moves balls out of overlaps is no speed of theirs: it is taken away after the move. Last, each
 //! ball is stopped on what lies below it, from the ground up, so that no load, and no ratio of masses, makes anything
@@ -11,7 +11,7 @@
 use glam::DVec2;
 
 use super::super::impulse::COINCIDENT_NORMAL;
-use super::find::{Beside, Hold, Pair};
+use super::find::{Beside, FEW, Hold, Near, Pair};
 use super::impacts::{Fate, Shift};
 use super::layout::Layer;
 use super::sleep::Rest;
@@ -22,8 +22,6 @@ use super::{Body, Contact, Setting};
 const APART: f64 = 0.01;
 /// The part of an overlap that is taken away in a substep.
 const MENDED: f64 = 0.3;
-/// ... at this many sums of both radii a second, at most: what starts in an overlap parts, and is not shot away.
-const MENDING_SPEED: f64 = 4.0;
 /// How much an impulse gives way, as a part of itself. With [`MENDED`] it makes contacts springs that are damped more
 /// than enough: a pair that carries the weight of N balls of its own mass overlaps by about N·g·h²·SOFT/MENDED.
 const SOFT: f64 = 0.006;
@@ -40,6 +38,13 @@ const DAMPED: f64 = 0.1;
 /// Rounds over the pairs of one ball, where each may undo some of what the others did.
 const INNER: u32 = 3;
 
+/// Sweeps there and back in a substep, at most; among few balls a crash is followed to its end.
+const ROUNDS: u32 = 3;
+const ROUNDS_OF_FEW: u32 = 32;
+/// They end where none of the last one's changes moves a ball by more than this part of its radius in the substep.
+const SETTLED: f64 = 5e-3;
+const SETTLED_OF_FEW: f64 = 1e-3;
+
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
@@ -50,13 +55,34 @@ impl Contact {
             hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
             stripe.take_up_all(setting, bodies);
         });
-        self.sweep(Layer::INWARD, |setting, stripe, bodies| {
-            for &at in stripe.touching.iter().rev() {
-                let at = at as usize;
-                hold_apart(bodies.bodies, stripe.pairs[at], &mut stripe.holds[at], YIELDING);
+        let (rounds, settled) = match self.bodies.len() {
+            // Nothing presses: overlaps are only moved out of.
+            _ if self.setting.kick == DVec2::ZERO => (1, SETTLED),
+            ..=FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW),
+            _ => (ROUNDS, SETTLED),
+        };
+        let most = settled / self.setting.substep;
+        for round in 1..=rounds {
+            self.sweep(Layer::INWARD, |setting, stripe, bodies| {
+                stripe.unsettled = false;
+                for &at in stripe.touching.iter().rev() {
+                    let (pair, hold) = (stripe.pairs[at as usize], &mut stripe.holds[at as usize]);
+                    stripe.unsettled |= hold_apart(bodies.bodies, pair, hold, YIELDING) > most;
+                }
+                stripe.unsettled |= hold_on_walls(setting, bodies.bodies, &mut stripe.beside) > most;
+            });
+            let unsettled = |near: &Near| near.stripes.iter().any(|stripe| stripe.unsettled);
+            if round == rounds || !self.near.as_ref().is_some_and(unsettled) {
+                break;
             }
-            hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
-        });
+            self.sweep(Layer::OUTWARD, |setting, stripe, bodies| {
+                hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
+                for &at in &stripe.touching {
+                    let (pair, hold) = (stripe.pairs[at as usize], &mut stripe.holds[at as usize]);
+                    hold_apart(bodies.bodies, pair, hold, YIELDING);
+                }
+            });
+        }
         // Without gravity nothing lies on anything.
         if self.setting.kick != DVec2::ZERO {
             self.sweep(Layer::AROUND, |_, stripe, bodies| stripe.carry_all(bodies.bodies));
@@ -224,18 +250,25 @@ fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, 
     if hold.impulse == 0.0 && squared.min(end.length_squared()) > near {
         return false;
     }
-    let length = squared.sqrt();
-    let normal = if squared < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { offset / length };
-    let gap = length - reach;
+    let gap = squared.sqrt() - reach;
+    let end_apart = end.length_squared() > reach * reach;
+    // One that was hit stands where it would have come from: what they part by themselves is no overlap.
+    let elsewhere = shifted || hold.met;
+    let apart = gap > 0.0 || (elsewhere && end_apart);
+    if apart && end_apart && hold.impulse == 0.0 {
+        // They pass each other as they go now, and circles curve away from the tangent where they are: one where they
+        // will be brakes nothing, unless others turn them.
+        let normal = end.normalize();
+        turn(hold, normal, first, second);
+        hold.least = (reach - offset.dot(normal)) / setting.substep;
+        return true;
+    }
+    let normal = if squared < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { offset / squared.sqrt() };
     turn(hold, normal, first, second);
-    hold.least = if gap > 0.0 {
-        let least = -gap / setting.substep;
-        // Circles curve away from their tangent: where they pass each other as they go now, nothing brakes them.
-        let passes = hold.impulse == 0.0 && end.length_squared() > reach * reach;
-        if passes { least.min((first.velocity - second.velocity).dot(normal)) } else { least }
+    hold.least = if apart {
+        -gap.max(0.0) / setting.substep
     } else {
-        // One that was hit stands where it would have come from: what they part by themselves is no overlap.
-        let deep = if setting.kick == DVec2::ZERO || shifted || hold.met {
+        let deep = if setting.kick == DVec2::ZERO || elsewhere {
             (reach - end.length()).clamp(0.0, -gap)
         } else {
             -gap
@@ -247,7 +280,7 @@ fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, 
             second.position -= way * second.inverse_mass;
             0.0
         } else {
-            (MENDED * deep / setting.substep).min(MENDING_SPEED * reach)
+            (MENDED * deep / setting.substep).min(setting.mending * reach)
         }
     };
     press(hold, first, second, YIELDING);
@@ -299,11 +332,15 @@ fn calm(bodies: &mut [Body], pair: Pair, hold: &Hold, slow: f64) {
     }
 }
 
-/// One Gauss–Seidel step of a pair; `left` as for [`press`].
+/// One Gauss–Seidel step of a pair; `left` as for [`press`]. By how much it changes the speed at which they part, in sums
+/// of their radii a second.
 #[inline]
-fn hold_apart(bodies: &mut [Body], pair: Pair, hold: &mut Hold, left: f64) {
+fn hold_apart(bodies: &mut [Body], pair: Pair, hold: &mut Hold, left: f64) -> f64 {
     let (first, second) = two(bodies, pair);
+    let before = hold.impulse;
     press(hold, first, second, left);
+    (hold.impulse - before).abs() * (first.inverse_mass + second.inverse_mass)
+        / (first.radius + second.radius)
 }
 
 /// Brings a pair's impulse to where both part with the least velocity, or to 0. Of a soft one only a part is `left`, so
@@ -326,9 +363,10 @@ fn two(bodies: &mut [Body], pair: Pair) -> (&mut Body, &mut Body) {
     (first, second)
 }
 
-/// Stops the balls that walls hold at the walls.
+/// Stops the balls that walls hold at the walls. The largest change of a ball's speed, in radii a second.
 #[inline]
-fn hold_on_walls(setting: &Setting, bodies: &mut [Body], beside: &mut [Beside]) {
+fn hold_on_walls(setting: &Setting, bodies: &mut [Body], beside: &mut [Beside]) -> f64 {
+    let mut most = 0.0_f64;
     for beside in beside {
         let body = &mut bodies[beside.body as usize];
         if body.inverse_mass == 0.0 {
@@ -340,8 +378,10 @@ fn hold_on_walls(setting: &Setting, bodies: &mut [Body], beside: &mut [Beside]) 
         let without = body.velocity - beside.push;
         let held = without.max(low).min(high);
         beside.push = held - without;
+        most = most.max((body.velocity - held).abs().max_element() / body.radius);
         body.velocity = held;
     }
+    most
 }
 
 /// Takes the velocities away that walls gave to balls that would have overlapped them.

@@ -38,11 +38,12 @@ pub(super) struct Met {
     pub(super) shifts: bool,
 }
 
-/// Bounces a ball off the walls that it meets in this substep.
+/// Bounces a ball off the walls that it meets in this substep after `since`, when it was last hit.
 pub(super) fn meet_walls(
     setting: &Setting,
     body: &mut Body,
     beside: &Beside,
+    since: f64,
     tally: &mut Tally,
 ) -> Option<Met> {
     let e = setting.walls?;
@@ -57,14 +58,14 @@ pub(super) fn meet_walls(
         } else {
             continue;
         };
-        let Some(landed) = meet_wall(setting, body, beside, (axis, wall, side), e) else { continue };
+        let Some(landed) = meet_wall(setting, body, beside, (axis, wall, side), since, e) else { continue };
         if landed.fastest > setting.rest_speed {
             tally.wall_hits += u64::from(landed.bounces);
         }
         tally.wall_impulse[axis] += side * landed.impulse / body.inverse_mass;
         let before = met.unwrap_or(Met { time: 0.0, shifts: false });
         met = Some(Met {
-            time: before.time.max(landed.time),
+            time: before.time.max(since + landed.time),
             shifts: before.shifts || (landed.fastest * setting.substep > SHIFT * body.radius),
         });
     }
@@ -78,28 +79,32 @@ fn meet_wall(
     body: &mut Body,
     beside: &Beside,
     (axis, wall, side): (usize, f64, f64),
+    since: f64,
     e: f64,
 ) -> Option<Landed> {
     let change = body.change(setting.kick)[axis];
     // In closed form only where nothing but gravity acts on it along this axis.
     let rests = side * beside.push[axis] > 0.0;
     let lone = !rests && body.velocity[axis] == body.free[axis];
-    let (acceleration, start) = if lone {
-        (change / setting.substep, body.velocity[axis] - 0.5 * change)
+    let mean = body.velocity[axis];
+    // Where it stands at the substep's beginning is where it would have come from: it may be behind the wall.
+    let left = setting.substep - since;
+    let (acceleration, start, fallen) = if lone {
+        let acceleration = change / setting.substep;
+        (acceleration, mean - 0.5 * change + acceleration * since, -0.5 * acceleration * since * left)
     } else {
         // One that others press on the wall comes to it by what presses, which is no impact: without it, it came as
         // fast as it moved before.
-        let mean = body.velocity[axis];
         let first = mean - change * if rests { 1.0 } else { 0.5 };
-        (0.0, if side * first > side * mean { first } else { mean })
+        (0.0, if side * first > side * mean { first } else { mean }, 0.0)
     };
     if rests && -side * start < setting.firm {
         return None;
     }
-    let position = body.position[axis];
+    let position = body.position[axis] + mean * since + fallen;
     let height = if side > 0.0 { position - wall } else { wall - position };
     let hop = Hop { height, speed: side * start, acceleration: side * acceleration };
-    let landed = hop.bounce(setting.substep, e);
+    let landed = hop.bounce(left, setting.substep, SHIFT * body.radius / setting.substep, e);
     // What it would have been, had nothing held it.
     let velocity = match landed.at {
         Some(at) if lone => side * at.speed - 0.5 * change,
@@ -155,7 +160,7 @@ struct Hop {
 struct Landed {
     /// Its state at the end; `None` where it rests on the wall.
     at: Option<Hop>,
-    /// When it bounced last, s.
+    /// When it bounced last, s; but for hops that it hardly moves in.
     time: f64,
     bounces: u32,
     /// The fastest of them, px/s.
@@ -165,9 +170,10 @@ struct Landed {
 }
 
 impl Hop {
-    /// Follows the ball for `time` s in closed form, through all its bounces.
-    fn bounce(mut self, time: f64, e: f64) -> Landed {
+    /// Follows the ball for `time` s, a substep or what is left of it, in closed form, through all its bounces.
+    fn bounce(mut self, time: f64, substep: f64, slow: f64, e: f64) -> Landed {
         let (mut left, mut bounces, mut fastest, mut impulse) = (time, 0, 0.0_f64, 0.0);
+        let mut last = 0.0;
         self.height = self.height.max(0.0);
         loop {
             let Self { height, speed, acceleration } = self;
@@ -188,22 +194,19 @@ impl Hop {
                     speed: speed + acceleration * left,
                     acceleration,
                 };
-                return Landed {
-                    at: Some(at),
-                    time: if bounces > 0 { time - left } else { 0.0 },
-                    bounces,
-                    fastest,
-                    impulse,
-                };
+                return Landed { at: Some(at), time: last, bounces, fastest, impulse };
             }
             left -= wait;
+            if bounces > 0 && arrival > slow {
+                last = time - left;
+            }
             bounces += 1;
             fastest = fastest.max(arrival);
             impulse += (1.0 + e) * arrival;
             self = Self { height: 0.0, speed: e * arrival, acceleration };
-            let short = 2.0 * self.speed <= -acceleration * SHORTEST_HOP * time;
+            let short = 2.0 * self.speed <= -acceleration * SHORTEST_HOP * substep;
             if short || bounces == BOUNCES {
-                return Landed { at: None, time: time - left, bounces, fastest, impulse };
+                return Landed { at: None, time: last, bounces, fastest, impulse };
             }
         }
     }
