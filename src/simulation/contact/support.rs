@@ -54,6 +54,7 @@ impl Contact {
             }
             hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
             stripe.take_up_all(setting, bodies);
+            stripe.unsettled = true;
         });
         let (rounds, settled) = match self.bodies.len() {
             // Nothing presses: overlaps are only moved out of.
@@ -63,8 +64,11 @@ impl Contact {
         };
         let most = settled / self.setting.substep;
         for round in 1..=rounds {
+            // Stripes that have settled are left as they are.
             self.sweep(Layer::INWARD, |setting, stripe, bodies| {
-                stripe.unsettled = false;
+                if !std::mem::take(&mut stripe.unsettled) {
+                    return;
+                }
                 for &at in stripe.touching.iter().rev() {
                     let (pair, hold) = (stripe.pairs[at as usize], &mut stripe.holds[at as usize]);
                     stripe.unsettled |= hold_apart(bodies.bodies, pair, hold, YIELDING) > most;
@@ -76,6 +80,9 @@ impl Contact {
                 break;
             }
             self.sweep(Layer::OUTWARD, |setting, stripe, bodies| {
+                if !stripe.unsettled {
+                    return;
+                }
                 hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
                 for &at in &stripe.touching {
                     let (pair, hold) = (stripe.pairs[at as usize], &mut stripe.holds[at as usize]);
