@@ -2,11 +2,11 @@
 //! pair closer than touching at the end of the substep.
 //!
 //! They are found by projected Gauss–Seidel sweeps (Cottle, Pang & Stone 1992), one against gravity and one back, and
-//! again where these have not settled, which start from the impulses of the last substep. An impulse gives way a little, so that overlaps follow loads, as
-//! springs would have it (soft constraints; Catto 2011): without that, a pile of rigid balls without friction never
-//! comes to rest. What moves balls out of overlaps is no speed of theirs: it is taken away after the move. Last, each
-//! ball is stopped on what lies below it, from the ground up, so that no load, and no ratio of masses, makes anything
-//! sink.
+//! more where these have not settled. The first starts from the impulses of the last substep. An impulse gives way a
+//! little, so that overlaps follow loads, as springs would have it (soft constraints; Catto 2011): without that, a pile
+//! of rigid balls without friction never comes to rest. What moves balls out of overlaps is no speed of theirs: it is
+//! taken away after the move. Last, each ball is stopped on what lies below it, from the ground up, so that no load, and
+//! no ratio of masses, makes anything sink.
 
 use glam::DVec2;
 
@@ -38,11 +38,13 @@ const DAMPED: f64 = 0.1;
 /// Rounds over the pairs of one ball, where each may undo some of what the others did.
 const INNER: u32 = 3;
 
-/// Sweeps there and back in a substep, at most; among few balls a crash is followed to its end.
+/// Sweeps there and back in a substep, at most. Three let piles of thousands come to rest sooner than one or eight.
 const ROUNDS: u32 = 3;
+/// The same among few balls, where a crash is followed to its end.
 const ROUNDS_OF_FEW: u32 = 32;
-/// They end where none of the last one's changes moves a ball by more than this part of its radius in the substep.
+/// Sweeps have settled where none of their changes moves a ball by more than this part of its radius in the substep.
 const SETTLED: f64 = 5e-3;
+/// The same among few balls.
 const SETTLED_OF_FEW: f64 = 1e-3;
 
 impl Contact {

@@ -32,7 +32,7 @@ pub(super) fn reaches_wall(setting: &Setting, body: &Body) -> Option<f64> {
 
 /// What walls did to a ball in a substep.
 pub(super) struct Met {
-    /// When it last left one, s after the substep's beginning.
+    /// When it bounced again for the last time, s after the substep's beginning; what foresaw it knows of the first.
     pub(super) time: f64,
     /// Whether it then stands far from where it was.
     pub(super) shifts: bool,
@@ -160,7 +160,7 @@ struct Hop {
 struct Landed {
     /// Its state at the end; `None` where it rests on the wall.
     at: Option<Hop>,
-    /// When it bounced last, s; but for hops that it hardly moves in.
+    /// When it bounced again for the last time, s, but for hops in which it hardly moves; 0 where it did not.
     time: f64,
     bounces: u32,
     /// The fastest of them, px/s.
@@ -170,7 +170,8 @@ struct Landed {
 }
 
 impl Hop {
-    /// Follows the ball for `time` s, a substep or what is left of it, in closed form, through all its bounces.
+    /// Follows the ball for `time` s, a substep or what is left of it, in closed form, through all its bounces; those
+    /// slower than `slow`, px/s, hardly move it.
     fn bounce(mut self, time: f64, substep: f64, slow: f64, e: f64) -> Landed {
         let (mut left, mut bounces, mut fastest, mut impulse) = (time, 0, 0.0_f64, 0.0);
         let mut last = 0.0;
