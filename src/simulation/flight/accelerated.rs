@@ -29,10 +29,12 @@ impl Pair {
             return time;
         }
         for (from, to) in path.turns(span).spans() {
-            // Overlapping from before: they meet as soon as they approach.
+            // Overlapping from before: they meet as soon as they approach. Where they part so slowly now that their
+            // turning back is lost in rounding, that is at once.
             let (start, end) = (path.depth(from), path.depth(to));
             let approaching = end > start;
-            if approaching && start >= 0.0 && from > 0.0 {
+            let parts = self.dull == 0.0 && self.offset.dot(self.velocity) > 0.0;
+            if approaching && start >= 0.0 && (from > 0.0 || parts) {
                 return from;
             }
             if approaching && start < 0.0 && end >= 0.0 {

@@ -218,6 +218,22 @@ mod tests {
     }
 
     #[test]
+    fn what_hops_off_a_ball_at_rest_comes_back_to_it_however_short_the_hop() {
+        let gravity = DVec2::new(0.0, 980.0);
+        for (step, digits) in (0..2000).flat_map(|step| (2..18).map(move |digits| (step, digits))) {
+            let any = |times: f64| (times * f64::from(step)).fract();
+            // Up is where y is less; the ball stands up to half a radian beside the other's top.
+            let up = DVec2::from_angle(any(0.618) - 0.5).perp() * -1.0;
+            let reach = 1.0 + 60.0 * any(0.755);
+            let speed = 10_f64.powi(-digits);
+            let hops = pair(up * reach, up * speed + 1e-3 * up.perp(), reach);
+            let back = hops.meet_accelerated(gravity, 1.0);
+            let lasts = 2.0 * speed / gravity.dot(-up);
+            assert!(back <= 1.01 * lasts + 1e-7, "1e-{digits} px/s, {up}, {reach}: {back:e}, not {lasts:e}");
+        }
+    }
+
+    #[test]
     fn in_steady_flight_arriving_is_reaching() {
         for (gap, speed) in [(10.0, 5.0), (1e-300, 1e9), (0.0, 3.0), (-1.0, 5.0), (0.1, 0.3)] {
             assert_eq!(arrive(gap, speed), reach(gap, speed, 0.0));
