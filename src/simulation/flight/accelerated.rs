@@ -29,12 +29,10 @@ impl Pair {
             return time;
         }
         for (from, to) in path.turns(span).spans() {
-            // Overlapping from before: they meet as soon as they approach. Where they part so slowly now that their
-            // turning back is lost in rounding, that is at once.
+            // Overlapping from before: they meet as soon as they approach.
             let (start, end) = (path.depth(from), path.depth(to));
             let approaching = end > start;
-            let parts = self.dull == 0.0 && self.offset.dot(self.velocity) > 0.0;
-            if approaching && start >= 0.0 && (from > 0.0 || parts) {
+            if approaching && start >= 0.0 && from > 0.0 {
                 return from;
             }
             if approaching && start < 0.0 && end >= 0.0 {
@@ -149,13 +147,13 @@ impl Path<'_> {
         if self.depth(end) < 0.0 {
             return (end == span).then_some(NEVER);
         }
-        // From beyond the root, Newton's method comes down to it from one side.
+        // From beyond the root, Newton's method comes down to it from one side: a step back up is rounding.
         for _ in 0..ROUNDS {
             let (depth, deepening) = (self.depth(time), self.deepening(time));
             if deepening <= 0.0 {
                 return None;
             }
-            let step = depth / deepening;
+            let step = (depth / deepening).max(0.0);
             time -= step;
             if time <= 0.0 {
                 return None;
