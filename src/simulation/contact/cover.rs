@@ -12,8 +12,16 @@ use super::{Body, Setting};
 const MANY: usize = 24;
 /// ... or pairs have become more by one in so many.
 const MORE: usize = 4;
+/// Balls are a crowd that have more pairs than so many for each: they are deep in each other, as in a world that shrank.
+const CROWD: usize = 32;
 
 impl Near {
+    /// Whether balls are so deep in each other that what covers one covers most. Then none is covered anew: whoever
+    /// leaves what covers it stops there until pairs are searched again.
+    pub(super) fn is_crowd(&self) -> bool {
+        self.homes.len() > FEW && self.found + self.added > CROWD * self.homes.len()
+    }
+
     /// Covers all balls in a substep in which nothing hits them, if few are not covered yet; whether it could.
     pub(super) fn keep_up(&mut self, bodies: &[Body], setting: &Setting, team: &Team) -> bool {
         let many = bodies.len() / MANY;
@@ -33,7 +41,7 @@ impl Near {
         if left == 0 {
             return true;
         }
-        if bodies.len() <= FEW || left > many {
+        if bodies.len() <= FEW || left > many || self.is_crowd() {
             return false;
         }
         for number in 0..layout.numbers(Layer::Own).end {
@@ -57,7 +65,7 @@ impl Near {
     /// there.
     pub(super) fn widen(&mut self, at: usize, time: f64, bodies: &[Body], setting: &Setting) {
         let (body, end) = (&bodies[at], bodies[at].end(setting.substep));
-        if !self.homes[at].covers(end) {
+        if !self.homes[at].covers(end) && !self.is_crowd() {
             let way = 0.5 * body.velocity * (setting.substep - time);
             let home = Home { position: end - way, reach: way.length() + self.skin(body, setting) };
             self.change_home(at, home, bodies, setting);

@@ -24,10 +24,9 @@ const MOST: u32 = 8;
 const MOST_OF_FEW: u32 = 64;
 /// The same of a fast ball.
 const MOST_FAST: u32 = 256;
-/// Both where balls are so deep in each other, as in a world that shrank, that each has more pairs than this: after
-/// each impact all of a ball's pairs are looked at again, and what comes of it is no flight.
+/// Both where balls are a crowd: after each impact all of a ball's pairs are looked at again, and what comes of it is no
+/// flight.
 const MOST_IN_CROWD: (u32, u32) = (1, 4);
-const CROWD: usize = 32;
 /// A ball that goes farther in a substep than so many times its radius is fast.
 const FAST: f64 = 1.0;
 
@@ -153,11 +152,11 @@ impl Event {
 }
 
 impl Limits {
-    /// Those of so many bodies with so many pairs of them near each other.
-    pub(super) fn of(count: usize, pairs: usize) -> Self {
+    /// Those of so many bodies, which are a crowd or not.
+    pub(super) fn of(count: usize, crowd: bool) -> Self {
         let (most, most_fast) = match count {
             ..=FEW => (MOST_OF_FEW, MOST_FAST),
-            _ if pairs > CROWD * count => MOST_IN_CROWD,
+            _ if crowd => MOST_IN_CROWD,
             _ => (MOST, MOST_FAST),
         };
         Self { most, most_fast, exhausted: false, ended: false }

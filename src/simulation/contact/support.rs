@@ -61,6 +61,8 @@ impl Contact {
         let (rounds, settled) = match self.bodies.len() {
             // Nothing presses: overlaps are only moved out of.
             _ if self.setting.kick == DVec2::ZERO => (1, SETTLED),
+            // It does not settle before there is room again.
+            _ if self.near.as_ref().is_some_and(Near::is_crowd) => (1, SETTLED),
             ..=FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW),
             _ => (ROUNDS, SETTLED),
         };

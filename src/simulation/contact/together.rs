@@ -15,6 +15,8 @@ use super::stripes::Stripes;
 
 /// Impacts are at one time that are no farther apart than this part of a substep: their times round differently.
 const AT_ONE_TIME: f64 = 1e-10;
+/// Balls touch that overlap by no more than half this part of both radii: what rounding leaves.
+const TOUCHING: f64 = 1e-9;
 /// Pairs that are solved as one. More of them are taken one after the other.
 const MOST: usize = 64;
 
@@ -30,33 +32,34 @@ impl Stage<'_> {
     /// [`None`], with nothing changed, where there are no others or something holds one of the balls.
     pub(super) fn take_together(&mut self, event: &Event, stripes: &mut Stripes<'_>) -> Option<Vec<usize>> {
         let latest = event.time + AT_ONE_TIME * self.setting.substep;
-        let first = event.pair()?;
         let others = |event: &Event| event.time <= latest && event.pair().is_some();
         if !self.queue.peek().is_some_and(others) {
             return None;
         }
-        let (mut events, mut pairs) = (Vec::new(), vec![self.meets(first, stripes)]);
-        while let Some(next) = self.queue.peek().copied().filter(others)
+        let mut pairs = vec![self.meets(event.pair()?, stripes)?];
+        let mut events = Vec::new();
+        let mut all = true;
+        while all
             && events.len() < MOST
+            && let Some(next) = self.queue.peek().copied().filter(others)
         {
             self.queue.pop();
             if self.still_holds(&next, Self::bodies_of(&next, stripes)) {
                 events.push(next);
-                pairs.extend(next.pair().map(|spot| self.meets(spot, stripes)));
+                let meets = next.pair().and_then(|spot| self.meets(spot, stripes));
+                all = meets.is_some();
+                pairs.extend(meets);
             }
         }
-        let hit = if events.is_empty() {
-            None
-        } else {
-            pairs.into_iter().collect::<Option<Vec<_>>>().and_then(|pairs| self.exchange_all(&pairs, stripes))
-        };
+        let hit = if all && !events.is_empty() { self.exchange_all(&pairs, stripes) } else { None };
         if hit.is_none() {
             self.queue.extend(events);
         }
         hit
     }
 
-    /// How a pair meets, if nothing but gravity acts on either of its balls.
+    /// How a pair meets, if nothing but gravity acts on either of its balls, and they are not in each other already: what
+    /// overlaps in a crowd has no time at which it met.
     fn meets(&self, spot: Spot, stripes: &Stripes<'_>) -> Option<Meets> {
         let bodies = pair(spot, stripes);
         let flies = |at: usize| {
@@ -68,8 +71,10 @@ impl Stage<'_> {
             return None;
         }
         let held = stripes.list[spot.stripe as usize].held.get(spot.at as usize) == Some(&true);
-        let meeting = if held { None } else { self.meeting(bodies, held) };
-        Some(Meets { spot, bodies, meeting: meeting? })
+        let meeting = if held { None } else { self.meeting(bodies, held) }?;
+        let reach = self.bodies[bodies.0].radius + self.bodies[bodies.1].radius;
+        let touch = meeting.offset.length_squared() >= (1.0 - TOUCHING) * reach * reach;
+        touch.then_some(Meets { spot, bodies, meeting })
     }
 
     /// Gives all balls of these pairs their velocities after the one impact.

@@ -54,9 +54,14 @@ impl Grid {
             }
             if others.len() > CROWD || found > before + MOST_BESIDE {
                 let smallest = *smallest.get_or_insert_with(|| self.smallest());
-                pairs.truncate(before);
-                pairs.extend(ball.not_too_many(others, smallest).map(paired));
-                found = pairs.len();
+                found = before;
+                for other in ball.not_too_many(others, smallest) {
+                    match pairs.get_mut(found) {
+                        Some(place) => *place = paired(other),
+                        None => pairs.push(paired(other)),
+                    }
+                    found += 1;
+                }
             }
         });
         pairs.truncate(found);
