@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::super::simultaneous::{self, exchange};
+use super::super::simultaneous::{self, TOUCHING, exchange};
 use super::SHIFT;
 use super::impacts::{Event, Shift, Spot, Stage, pair};
 use super::meeting::{Meeting, strike};
@@ -15,8 +15,6 @@ use super::stripes::Stripes;
 
 /// Impacts are at one time that are no farther apart than this part of a substep: their times round differently.
 const AT_ONE_TIME: f64 = 1e-10;
-/// Balls touch that overlap by no more than half this part of both radii: what rounding leaves.
-const TOUCHING: f64 = 1e-9;
 /// Pairs that are solved as one. More of them are taken one after the other.
 const MOST: usize = 64;
 
@@ -58,8 +56,7 @@ impl Stage<'_> {
         hit
     }
 
-    /// How a pair meets, if nothing but gravity acts on either of its balls, and they are not in each other already: what
-    /// overlaps in a crowd has no time at which it met.
+    /// How a pair meets, if nothing but gravity acts on either of its balls, and they are not in each other already.
     fn meets(&self, spot: Spot, stripes: &Stripes<'_>) -> Option<Meets> {
         let bodies = pair(spot, stripes);
         let flies = |at: usize| {

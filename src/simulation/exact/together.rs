@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use crate::simulation::Tally;
 use crate::simulation::flight::Pair;
-use crate::simulation::simultaneous::{Body, Contact, exchange};
+use crate::simulation::simultaneous::{Body, Contact, TOUCHING, exchange};
 
 use super::flights::Marks;
 use super::{Exact, LEAN, Needs};
@@ -133,7 +133,8 @@ impl Exact {
             slow: 0.0,
             dull: 0.0,
         };
-        if !(pair.are_within(AT_HAND) && pair.closes_in()) {
+        let deep = pair.offset.length_squared() < (1.0 - TOUCHING) * pair.reach * pair.reach;
+        if deep || !(pair.are_within(AT_HAND) && pair.closes_in()) {
             return None;
         }
         let restitution = matter.restitution.min(theirs.restitution);
