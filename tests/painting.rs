@@ -225,6 +225,17 @@ proptest! {
 }
 
 #[test]
+fn a_picture_painted_aside_is_whole_and_leaves_what_is_known_of_the_other() {
+    let (scene, other) = (scene(50, (2.0, 20.0), false, 3), scene(60, (2.0, 20.0), false, 4));
+    let blank = || Pixmap::new(SIZE.x as u32, SIZE.y as u32).unwrap();
+    let (mut painter, mut picture, mut aside) = (Painter::default(), blank(), blank());
+    painter.paint(&scene, 1.0, &mut picture.as_mut());
+    painter.paint_aside(&other, 1.0, &mut aside.as_mut());
+    assert!(aside.data() == painted(&other, 1.0).data());
+    assert!(!painter.repaint(&scene, 1.0, &mut picture.as_mut()), "nothing has changed there");
+}
+
+#[test]
 fn a_picture_of_another_size_is_painted_whole() {
     let scene = scene(20, (5.0, 40.0), false, 3);
     let mut painter = Painter::default();

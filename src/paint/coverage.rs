@@ -20,6 +20,7 @@ pub(super) const SMALLEST_SPANS: f64 = 10.0;
 /// pixel.
 const PHASE_BITS: u32 = 4;
 const PHASES: i32 = 1 << PHASE_BITS;
+const PARTS: usize = PHASES as usize;
 /// Steps per px that a radius is rounded to.
 const STEPS: f64 = 32.0;
 
@@ -77,23 +78,28 @@ impl Masks {
     fn new(radius: f64) -> Self {
         let large = radius * f64::from(PHASES);
         let reach = large.ceil() as i32;
-        let sums = Sums::of_disc(large, reach);
         let most = (2 * reach + PHASES - 1).div_euclid(PHASES) + 1;
         let (rows, blocks) = (most as usize, (most as usize).div_ceil(LANES));
-        let places = (PHASES * PHASES) as usize;
-        let mut coverage = Vec::with_capacity(places * rows * blocks);
-        for (y, x) in (0..PHASES).flat_map(|y| (0..PHASES).map(move |x| (y, x))) {
-            let (left, top) = (first(x, reach), first(y, reach));
+        let sums = Sums::of_disc(large, reach, rows);
+        let mut coverage = vec![[0; LANES]; PARTS * PARTS * rows * blocks];
+        let bytes = coverage.as_flattened_mut();
+        for y in 0..PHASES {
             // What rounding leaves of a pixel goes to the next, so that it does not add up.
-            let mut rest = Sums::SQUARE / 2;
-            for row in 0..rows as i32 {
-                for block in 0..blocks as i32 {
-                    coverage.push(std::array::from_fn(|lane| {
-                        let column = left + block * LANES as i32 + lane as i32;
-                        let sum = rest + sums.square(column * PHASES - x, (top + row) * PHASES - y);
-                        rest = sum % Sums::SQUARE;
-                        (sum / Sums::SQUARE) as u8
-                    }));
+            let mut rest = [Sums::SQUARE / 2; PARTS];
+            for row in 0..rows {
+                let strip = sums.strip((first(y, reach) + row as i32) * PHASES - y);
+                for (column, (left, right)) in strip.clone().zip(strip.skip(1)).enumerate() {
+                    // Side by side in the strip are the places that the centre may have in a row of them.
+                    let mut covered = [0; PARTS];
+                    for lane in 0..PARTS {
+                        let sum = rest[lane] + right[lane] - left[lane];
+                        rest[lane] = sum % Sums::SQUARE;
+                        covered[lane] = (sum / Sums::SQUARE) as u8;
+                    }
+                    for (lane, covered) in covered.into_iter().enumerate() {
+                        let place = y as usize * PARTS + Sums::place(lane, reach);
+                        bytes[(place * rows + row) * blocks * LANES + column] = covered;
+                    }
                 }
             }
         }
@@ -151,37 +157,50 @@ fn first(part: i32, reach: i32) -> i32 {
 /// Sums over the rectangles from the upper left corner of a large disc's picture: a summed-area table (Crow 1984).
 struct Sums {
     reach: i32,
-    side: usize,
+    /// Of a line, with room on both sides.
+    width: usize,
     table: Vec<u32>,
 }
 
 impl Sums {
-    /// A disc of `radius` px that reaches `reach` px from its centre.
-    fn of_disc(radius: f64, reach: i32) -> Self {
-        let side = 2 * reach as usize;
-        let mut table = vec![0; (side + 1) * (side + 1)];
+    /// How many pixels become one.
+    const SQUARE: u32 = (PHASES * PHASES) as u32;
+    /// Before the first column of the disc.
+    const ROOM: usize = PARTS - 1;
+
+    /// A disc of `radius` px that reaches `reach` px from its centre, for squares in so many columns.
+    fn of_disc(radius: f64, reach: i32, columns: usize) -> Self {
+        let (side, width) = (2 * reach as usize, (columns + 1) * PARTS);
+        let mut table = vec![0; (side + 1) * width];
         if let Some(mut pixmap) = Pixmap::new(side as u32, side as u32) {
             fill_disc(&mut pixmap.as_mut(), DVec2::splat(f64::from(reach)), radius, BALL);
             for (row, pixels) in pixmap.pixels().chunks_exact(side).enumerate() {
+                let (above, below) = table[row * width..].split_at_mut(width);
                 let mut sum = 0;
-                for (column, pixel) in pixels.iter().enumerate() {
-                    sum += u32::from(pixel.alpha());
-                    let below = (row + 1) * (side + 1) + column + 1;
-                    table[below] = table[below - side - 1] + sum;
+                let mut pixels = pixels.iter();
+                for (above, below) in above.iter().zip(below).skip(Self::ROOM + 1) {
+                    sum += pixels.next().map_or(0, |pixel| u32::from(pixel.alpha()));
+                    *below = above + sum;
                 }
             }
         }
-        Self { reach, side, table }
+        Self { reach, width, table }
     }
 
-    /// How many pixels become one.
-    const SQUARE: u32 = (PHASES * PHASES) as u32;
+    /// Of [`PHASES`] lines from this one on, `y` px from the centre, the sums of all that lies left of each column, from
+    /// [`ROOM`](Self::ROOM) before the disc on.
+    fn strip(&self, y: i32) -> impl Iterator<Item = [u32; PARTS]> + Clone {
+        let line = |y: i32| {
+            let line = (y + self.reach).clamp(0, 2 * self.reach) as usize;
+            self.table[line * self.width..][..self.width].as_chunks().0
+        };
+        let lines = line(y).iter().zip(line(y + PHASES));
+        lines.map(|(above, below): (&[u32; PARTS], _)| std::array::from_fn(|lane| below[lane] - above[lane]))
+    }
 
-    /// The sum over the square of [`PHASES`] px whose upper left corner is at (x, y) from the centre.
-    fn square(&self, x: i32, y: i32) -> u32 {
-        let index = |at: i32| (at + self.reach).clamp(0, self.side as i32) as usize;
-        let at = |x, y| self.table[index(y) * (self.side + 1) + index(x)];
-        at(x + PHASES, y + PHASES) + at(x, y) - at(x + PHASES, y) - at(x, y + PHASES)
+    /// The part of a pixel in which the centre of a disc stands whose first pixel begins in this lane of a strip.
+    fn place(lane: usize, reach: i32) -> usize {
+        (Self::ROOM - lane + reach as usize) % PARTS
     }
 }
 

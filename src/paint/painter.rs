@@ -49,6 +49,15 @@ impl Painter {
         self.repaint(simulation, scale, pixmap);
     }
 
+    /// Paints as [`paint`](Self::paint) does, on another pixmap than that which is painted again and again: what is known
+    /// of that one still stands.
+    pub fn paint_aside(&mut self, simulation: &Simulation, scale: f64, pixmap: &mut PixmapMut<'_>) {
+        let width = pixmap.width() as usize;
+        self.read(simulation, scale, (pixmap.width(), pixmap.height()));
+        let (pixels, _) = pixmap.data_mut().as_chunks_mut();
+        self.bands.paint(&self.next, &self.shapes, pixels, width);
+    }
+
     /// Paints as [`paint`](Self::paint) does, on a pixmap that this painter painted last and nobody has changed since:
     /// only what differs, and nothing, which it tells, where nothing does.
     pub fn repaint(&mut self, simulation: &Simulation, scale: f64, pixmap: &mut PixmapMut<'_>) -> bool {

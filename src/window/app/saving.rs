@@ -9,7 +9,6 @@ use super::super::problem::SaveError;
 use super::super::record::Recorder;
 use super::super::{files, picture};
 use super::App;
-use crate::paint;
 
 /// How often it is asked what became of a recording.
 const RECORDER_LOOKS: Duration = Duration::from_millis(200);
@@ -22,11 +21,11 @@ impl App {
     }
 
     /// The picture without what is said over it to who sits before the window.
-    pub(super) fn picture(&self) -> Option<Pixmap> {
+    pub(super) fn picture(&mut self) -> Option<Pixmap> {
         let ((_, screen), (overlay, scale)) = (self.screen.as_ref()?, &self.overlay);
         let mut picture = Pixmap::new(screen.size().width, screen.size().height)?;
         let target = &mut picture.as_mut();
-        paint::paint(self.session.simulation(), *scale, target);
+        self.painter.paint_aside(self.session.simulation(), *scale, target);
         if let Some(trails) = &self.trails {
             trails.paint(target);
         }
