@@ -245,6 +245,9 @@ impl<'a> Watch<'a> {
                 return f64::NAN;
             }
         }
+        if non_finite(even.balls()) > 0 {
+            return f64::NAN;
+        }
         let pairs = even.balls().iter().zip(simulation.balls());
         pairs.map(|(even, ball)| even.position().distance(ball.position())).fold(0.0, f64::max)
     }

@@ -16,8 +16,6 @@ const MOST_MEMORY: u64 = 2 << 30;
 const LOOK: Duration = Duration::from_millis(4);
 /// A cell ends itself at its limit where the solver asks; one that does not is ended after so many times that.
 const PATIENCE: u32 = 3;
-/// The page of memory that the system counts in, bytes.
-const PAGE: u64 = 4096;
 
 /// Runs a cell in a process.
 pub(super) fn cell(program: &Path, name: &str, quick: bool, limit: Duration) -> Cell {
@@ -71,14 +69,25 @@ fn wait(mut child: Child, limit: Duration) -> io::Result<Ended> {
 
 /// The memory that a process holds, bytes, where the system tells it.
 fn memory(child: &Child) -> Option<u64> {
-    let text = fs::read_to_string(format!("/proc/{}/statm", child.id())).ok()?;
-    text.split_whitespace().nth(1)?.parse::<u64>().ok().map(|pages| pages * PAGE)
+    let status = fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
+    let resident = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    resident.trim().trim_end_matches(" kB").parse::<u64>().ok().map(|kilobytes| kilobytes << 10)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::report::stability::cell::Verdict;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_memory_of_a_process_is_told() {
+        let mut child = Command::new("sleep").arg("10").spawn().unwrap();
+        let bytes = memory(&child);
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(bytes.is_some_and(|bytes| (1 << 16..1 << 28).contains(&bytes)), "{bytes:?}");
+    }
 
     #[cfg(unix)]
     #[test]

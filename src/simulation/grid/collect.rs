@@ -1,10 +1,10 @@
-//! Pairs that touch, as a list of any kind, with few of a crowd.
+//! Pairs that touch, with few of a crowd.
 
 use std::ops::Range;
 
-use super::{Disc, Entry, Grid, touch};
+use super::{Disc, Entry, Grid, compare, touch};
 
-/// The most others, at least half as large, that [`Grid::collect`] pairs a ball with from one run of cells. Balls that
+/// The most others, at least half as large, that a ball is paired with from one run of cells. Balls that
 /// do not lie in each other are fewer; of a crowd at one point each is held apart from so many at a time, and from the
 /// rest when these are gone.
 const MOST_BESIDE: usize = 64;
@@ -23,6 +23,29 @@ impl Grid {
         self.sort_into_cells(discs);
         self.collect_rows(0..self.rows, pairs, &pair);
         self.compare_large(&mut |first, second| pairs.push(pair(first, second)));
+    }
+
+    /// Calls `contact` with each pair (i, j), i < j, that touches, and at most [`MOST_BESIDE`] of a crowd, in no
+    /// particular order.
+    pub(in crate::simulation) fn for_each_of_few(
+        &mut self,
+        discs: &[impl Disc],
+        mut contact: impl FnMut(u32, u32),
+    ) {
+        self.sort_into_cells(discs);
+        let mut smallest = None;
+        self.neighbours(0..self.rows, &mut |ball: &Entry, others: &[Entry]| {
+            if others.len() <= CROWD {
+                compare(ball, others, &mut contact);
+                return;
+            }
+            let smallest = *smallest.get_or_insert_with(|| self.smallest());
+            for other in ball.not_too_many(others, smallest) {
+                let (first, second) = ball.pair_with(other);
+                contact(first, second);
+            }
+        });
+        self.compare_large(&mut contact);
     }
 
     /// Replaces `pairs` by each pair that touches and is found from these rows of cells; discs too large for the cells
