@@ -61,12 +61,16 @@ fn what_two_balls_get_at_once_is_its_own_mirror_image_whatever_the_masses() {
 
 #[test]
 fn a_rack_that_is_hit_head_on_breaks_into_its_own_mirror_image() {
-    for solver in SOLVERS {
+    // Rows as far apart as numbers say, and, for `contact`, as somebody would write it: each in the next by 7e-6 px, which
+    // `exact` takes for an overlap that is to go.
+    let written = 17.3205;
+    let cases =
+        [(Solver::Exact, 300_f64.sqrt()), (Solver::Contact, 300_f64.sqrt()), (Solver::Contact, written)];
+    for (solver, step) in cases {
         let mut balls = vec![ball(DVec2::new(100.0, 300.0), DVec2::new(500.0, 0.0))];
         for row in 0..4 {
             for place in 0..=row {
-                let (x, y) =
-                    (f64::from(row) * 300_f64.sqrt(), 20.0 * f64::from(place) - 10.0 * f64::from(row));
+                let (x, y) = (f64::from(row) * step, 20.0 * f64::from(place) - 10.0 * f64::from(row));
                 balls.push(ball(DVec2::new(400.0 + x, 300.0 + y), DVec2::ZERO));
             }
         }
@@ -78,7 +82,11 @@ fn a_rack_that_is_hit_head_on_breaks_into_its_own_mirror_image() {
             let image = DVec2::new(one.position().x, 600.0 - one.position().y);
             let nearest =
                 broken.iter().map(|other| other.position().distance(image)).fold(f64::MAX, f64::min);
-            assert!(nearest < 1e-8, "nothing at the image of {}: {nearest:e}", one.position());
+            assert!(
+                nearest < 1e-8,
+                "{solver:?}, {step}: nothing at the image of {}: {nearest:e}",
+                one.position()
+            );
         }
         assert!(broken.iter().skip(1).filter(|ball| ball.velocity() != DVec2::ZERO).count() >= 8);
         assert!((kinetic_energy(broken) / energy - 1.0).abs() < 1e-13);

@@ -218,6 +218,29 @@ mod tests {
     }
 
     #[test]
+    fn the_middle_of_a_mask_is_where_the_centre_is_within_a_pixel() {
+        for step in [16, 17, 100, 319, 320] {
+            let masks = Masks::new(f64::from(step) / STEPS);
+            let masks_by_place = masks.coverage.chunks_exact(masks.rows * masks.blocks);
+            for (place, mask) in (0..).zip(masks_by_place) {
+                let (x, y): (i32, i32) = (place % PHASES, place / PHASES);
+                let (mut sum, mut middle) = (0.0, DVec2::ZERO);
+                for (row, line) in (0..).zip(mask.chunks_exact(masks.blocks)) {
+                    for (column, &coverage) in (0..).zip(line.as_flattened()) {
+                        let at = DVec2::new(f64::from(column), f64::from(row)) + 0.5;
+                        sum += f64::from(coverage);
+                        middle += at * f64::from(coverage);
+                    }
+                }
+                let first = DVec2::new(first(x, masks.reach).into(), first(y, masks.reach).into());
+                let centre = DVec2::new(x.into(), y.into()) / f64::from(PHASES);
+                let off = (middle / sum + first - centre).abs().max_element();
+                assert!(off < 0.04, "{step}, {place}: {off}");
+            }
+        }
+    }
+
+    #[test]
     fn a_disc_has_the_same_coverage_at_every_place_within_a_pixel() {
         for radius in [0.5, 1.0, 3.0, 4.21875, 9.96875] {
             let masks = Masks::new(radius);

@@ -52,8 +52,8 @@ pub fn momentum(balls: &[Ball]) -> DVec2 {
 /// The deepest overlap of two balls as a fraction of the smaller one's radius: 0 where none overlap, 2 and more where
 /// a ball lies wholly inside another. Two fixed balls may overlap.
 ///
-/// Where hundreds of balls lie so deep in each other that a ball touches more than 64 of its size, it is compared with 64
-/// of them, and no deeper overlap of it is told: a hundred thousand at one point have five billion pairs.
+/// Where hundreds of balls lie in each other, one that touches more than 64 of its size in a group of neighbouring cells is
+/// compared with 64 of them, and no deeper overlap of it is told: a hundred thousand at one point have five billion pairs.
 #[must_use]
 pub fn max_overlap(grid: &mut Grid, balls: &[Ball]) -> f64 {
     let mut deepest = 0.0_f64;

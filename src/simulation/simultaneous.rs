@@ -38,9 +38,9 @@ impl Contact {
 }
 
 /// Balls take part that touch: their distance's square falls short of that at which they do by no more than this part of
-/// it, which is rounding. Of what lies deeper in each other, as in a world that shrank, no time is known at which it met,
-/// and a crowd of it takes all sweeps there are.
-pub(super) const TOUCHING: f64 = 1e-9;
+/// it, as where somebody put them side by side with four decimals. Of what lies deeper in each other, as in a world that
+/// shrank, no time is known at which it met, and a crowd of it takes all sweeps there are.
+pub(super) const TOUCHING: f64 = 1e-5;
 
 /// The most sweeps that the impulses may take to settle.
 const MOST_SWEEPS: usize = 10_000;

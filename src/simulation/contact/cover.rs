@@ -12,14 +12,24 @@ use super::{Body, Setting};
 const MANY: usize = 24;
 /// ... or pairs have become more by one in so many.
 const MORE: usize = 4;
-/// Balls are a crowd that have more pairs than so many for each: they are deep in each other, as in a world that shrank.
-const CROWD: usize = 32;
+/// Balls are a crowd where there are more pairs than so many for each, and of these more overlap than so many for each:
+/// balls that lie beside each other touch in no more than three.
+const CROWD: (usize, usize) = (32, 8);
 
 impl Near {
-    /// Whether balls are so deep in each other that what covers one covers most. Then none is covered anew: whoever
-    /// leaves what covers it stops there until pairs are searched again.
-    pub(super) fn is_crowd(&self) -> bool {
-        self.homes.len() > FEW && self.found + self.added > CROWD * self.homes.len()
+    /// Whether balls lie so deep in each other, as in a world that shrank, that what covers one covers most. Then none is
+    /// covered anew: whoever leaves what covers it stops there until pairs are searched again.
+    pub(super) fn are_crowd(&self, bodies: &[Body]) -> bool {
+        let (count, (near, overlapping)) = (bodies.len(), CROWD);
+        if count <= FEW || self.found <= near * count {
+            return false;
+        }
+        let overlaps = |&(first, second): &(usize, usize)| {
+            let (first, second) = (&bodies[first], &bodies[second]);
+            let reach = first.radius + second.radius;
+            first.position.distance_squared(second.position) < reach * reach
+        };
+        self.pairs().filter(overlaps).count() > overlapping * count
     }
 
     /// Covers all balls in a substep in which nothing hits them, if few are not covered yet; whether it could.
@@ -41,7 +51,7 @@ impl Near {
         if left == 0 {
             return true;
         }
-        if bodies.len() <= FEW || left > many || self.is_crowd() {
+        if bodies.len() <= FEW || left > many || self.crowd {
             return false;
         }
         for number in 0..layout.numbers(Layer::Own).end {
@@ -65,7 +75,7 @@ impl Near {
     /// there.
     pub(super) fn widen(&mut self, at: usize, time: f64, bodies: &[Body], setting: &Setting) {
         let (body, end) = (&bodies[at], bodies[at].end(setting.substep));
-        if !self.homes[at].covers(end) && !self.is_crowd() {
+        if !self.homes[at].covers(end) && !self.crowd {
             let way = 0.5 * body.velocity * (setting.substep - time);
             let home = Home { position: end - way, reach: way.length() + self.skin(body, setting) };
             self.change_home(at, home, bodies, setting);
@@ -158,5 +168,37 @@ impl Near {
         if *added > before {
             self.link_pairs_of(at, bodies.len());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Contact, Tuning};
+    use super::*;
+    use crate::simulation::ball::Ball;
+    use crate::simulation::world::{Pairs, World};
+
+    /// Whether so many balls, `step` px apart, are a crowd, where one of them has this speed.
+    fn are_crowd(count: u32, step: f64, radius: f64, speed: f64) -> bool {
+        let side = f64::from(count).sqrt().ceil();
+        let place = |k: u32| DVec2::new(f64::from(k) % side, (f64::from(k) / side).floor()) * step + 100.0;
+        let ball = |k: u32| Ball::new(place(k), radius).unwrap();
+        let mut balls: Vec<_> = (0..count).map(ball).collect();
+        balls[0] = ball(0).with_velocity(DVec2::new(speed, 0.0)).unwrap();
+        let world = World::new(DVec2::splat(4000.0)).unwrap().with_walls(1.0).unwrap();
+        let world = world.with_pairs(Pairs::Impulse);
+        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: false, threads: 1 };
+        let mut contact = Contact::new(&world, &balls, tuning);
+        contact.find();
+        let near = contact.near.unwrap();
+        assert!(speed == 0.0 || near.found > CROWD.0 * balls.len(), "{} near pairs", near.found);
+        near.crowd
+    }
+
+    #[test]
+    fn balls_are_a_crowd_where_they_lie_in_each_other_and_not_where_a_fast_one_widens_the_search() {
+        assert!(are_crowd(1000, 1.0, 6.0, 0.0));
+        assert!(!are_crowd(1000, 12.01, 6.0, 3e5));
+        assert!(!are_crowd(1000, 12.01, 6.0, 0.0));
     }
 }

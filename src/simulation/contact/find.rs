@@ -47,6 +47,8 @@ pub(super) struct Near {
     /// How many pairs the search found, and how many were added since.
     pub(super) found: usize,
     pub(super) added: usize,
+    /// Whether the search found a crowd.
+    pub(super) crowd: bool,
     /// How many balls were covered anew since the search.
     pub(super) moved: usize,
     pub(super) discs: Vec<Covered>,
@@ -200,6 +202,7 @@ impl Near {
             self.find_pairs(bodies.len(), setting, team);
             self.take_pairs(bodies, cargo.rests, setting, team);
         }
+        self.crowd = self.are_crowd(bodies);
     }
 
     /// All stripes.
@@ -219,6 +222,14 @@ impl Near {
         for (number, stripe) in self.stripes.iter_mut().enumerate() {
             stripe.link(self.layout.count(number, count));
         }
+    }
+
+    /// The balls of all pairs.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.stripes.iter().enumerate().flat_map(|(number, stripe)| {
+            let start = self.layout.start(number);
+            stripe.pairs.iter().map(move |pair| (start + pair.first as usize, start + pair.second as usize))
+        })
     }
 
     /// All pairs that hold each other, with the numbers of their balls.

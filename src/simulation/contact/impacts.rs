@@ -20,7 +20,7 @@ use super::{Body, SHIFT, Setting, Tally};
 
 /// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
 const MOST: u32 = 8;
-/// The same among few balls, where each counts.
+/// The same among few balls, where each counts, and where nothing ever rests, since no support holds what is left there.
 const MOST_OF_FEW: u32 = 64;
 /// The same of a fast ball.
 const MOST_FAST: u32 = 256;
@@ -153,10 +153,11 @@ impl Event {
 
 impl Limits {
     /// Those of so many bodies, which are a crowd or not.
-    pub(super) fn of(count: usize, crowd: bool) -> Self {
+    pub(super) fn of(count: usize, crowd: bool, setting: &Setting) -> Self {
         let (most, most_fast) = match count {
             ..=FEW => (MOST_OF_FEW, MOST_FAST),
             _ if crowd => MOST_IN_CROWD,
+            _ if !setting.can_rest => (MOST_OF_FEW, MOST_FAST),
             _ => (MOST, MOST_FAST),
         };
         Self { most, most_fast, exhausted: false, ended: false }

@@ -62,7 +62,7 @@ impl Contact {
             return;
         };
         let Course { fates, queue, .. } = course;
-        let limits = Limits::of(bodies.len(), near.is_crowd());
+        let limits = Limits::of(bodies.len(), near.crowd, setting);
         second_round(Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits }, near);
     }
 
@@ -72,7 +72,7 @@ impl Contact {
         else {
             return;
         };
-        let (layout, limits) = (near.layout, Limits::of(bodies.len(), near.is_crowd()));
+        let (layout, limits) = (near.layout, Limits::of(bodies.len(), near.crowd, setting));
         let shares = of_layer(&mut near.stripes, layout, layer).iter_mut();
         let shares = shares.zip(layout.share(layer, bodies)).zip(layout.share(layer, &mut course.fates));
         let shares = shares.zip(layout.share_read(layer, restitutions)).zip(layout.share(layer, rests));

@@ -62,7 +62,7 @@ impl Contact {
             // Nothing presses: overlaps are only moved out of.
             _ if self.setting.kick == DVec2::ZERO => (1, SETTLED),
             // It does not settle before there is room again.
-            _ if self.near.as_ref().is_some_and(Near::is_crowd) => (1, SETTLED),
+            _ if self.near.as_ref().is_some_and(|near| near.crowd) => (1, SETTLED),
             ..=FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW),
             _ => (ROUNDS, SETTLED),
         };

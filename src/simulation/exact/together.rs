@@ -40,8 +40,8 @@ impl Exact {
     /// Makes one impact of that of two balls, which has just been taken, and of all at this time that others which they
     /// touch have with them or with further ones. The two had these velocities before.
     ///
-    /// Nothing changes where there are no others, or where any of them may come to rest; nor where rounding hides that
-    /// the two touch, as it does where they are tiny and far from the origin: their impact stands, and may not be
+    /// Nothing changes where there are no others, or where any of them may come to rest; nor where the two lie in each
+    /// other, or rounding hides that they touch, as it does where they are tiny and far from the origin: their impact stands, and may not be
     /// undone.
     #[cold]
     pub(super) fn collide_together<N: Needs>(
@@ -118,7 +118,8 @@ impl Exact {
         Some(group)
     }
 
-    /// How a ball meets another one now, if it does, by their slots, positions and velocities.
+    /// How a ball meets another one now, if it does and they are not in each other already, by their slots, positions and
+    /// velocities.
     fn meets<N: Needs>(
         &self,
         (slot, (position, own)): (usize, (DVec2, DVec2)),

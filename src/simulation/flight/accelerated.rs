@@ -153,7 +153,10 @@ impl Path<'_> {
             if deepening <= 0.0 {
                 return None;
             }
-            let step = (depth / deepening).max(0.0);
+            let step = depth / deepening;
+            if step < 0.0 {
+                return Some(time);
+            }
             time -= step;
             if time <= 0.0 {
                 return None;

@@ -231,7 +231,11 @@ mod tests {
             let hops = pair(up * (reach * (1.0 + gap)), up * speed + 1e-3 * up.perp(), reach);
             let back = hops.meet_accelerated(gravity, 1.0);
             let lasts = 2.0 * speed / gravity.dot(-up);
-            assert!(back <= 1.01 * lasts + 1e-7, "1e-{digits} px/s, {up}, {reach}: {back:e}, not {lasts:e}");
+            // What overlaps meets where it turns, half-way.
+            assert!(
+                (0.49 * lasts - 1e-7..=1.01 * lasts + 1e-7).contains(&back),
+                "1e-{digits} px/s, {up}, {reach}: {back:e}, not {lasts:e}"
+            );
         }
     }
 

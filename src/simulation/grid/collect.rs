@@ -1,5 +1,6 @@
 //! Pairs that touch, with few of a crowd.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use super::{Disc, Entry, Grid, compare, touch};
@@ -25,8 +26,8 @@ impl Grid {
         self.compare_large(&mut |first, second| pairs.push(pair(first, second)));
     }
 
-    /// Calls `contact` with each pair (i, j), i < j, that touches, and at most [`MOST_BESIDE`] of a crowd, in no
-    /// particular order.
+    /// Calls `contact` with each pair (i, j), i < j, that touches, in no particular order. Of a crowd no more for a ball and
+    /// a run of cells than [`MOST_BESIDE`] of its size, and no more smaller ones than could lie around it.
     pub(in crate::simulation) fn for_each_of_few(
         &mut self,
         discs: &[impl Disc],
@@ -40,7 +41,9 @@ impl Grid {
                 return;
             }
             let smallest = *smallest.get_or_insert_with(|| self.smallest());
-            for other in ball.not_too_many(others, smallest) {
+            // Each takes an angle of at least 2r/(R + r) around it.
+            let around = PI * (ball.radius / smallest + 1.0);
+            for other in ball.not_too_many(others, smallest, around as usize + MOST_BESIDE) {
                 let (first, second) = ball.pair_with(other);
                 contact(first, second);
             }
@@ -78,7 +81,7 @@ impl Grid {
             if others.len() > CROWD || found > before + MOST_BESIDE {
                 let smallest = *smallest.get_or_insert_with(|| self.smallest());
                 found = before;
-                for other in ball.not_too_many(others, smallest) {
+                for other in ball.not_too_many(others, smallest, usize::MAX) {
                     match pairs.get_mut(found) {
                         Some(place) => *place = paired(other),
                         None => pairs.push(paired(other)),
@@ -97,22 +100,28 @@ impl Grid {
 }
 
 impl Entry {
-    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more. None of them
-    /// is smaller than `smallest`.
-    fn not_too_many<'a>(&self, others: &'a [Self], smallest: f64) -> impl Iterator<Item = &'a Self> {
+    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more, and no more
+    /// smaller ones than `small`. None of them is smaller than `smallest`.
+    fn not_too_many<'a>(
+        &self,
+        others: &'a [Self],
+        smallest: f64,
+        mut small: usize,
+    ) -> impl Iterator<Item = &'a Self> {
         let Self { position, radius, .. } = *self;
-        let all_large = 2.0 * smallest >= radius;
-        let mut left = MOST_BESIDE;
+        if 2.0 * smallest >= radius {
+            small = 0;
+        }
+        let mut large = MOST_BESIDE;
         let takes = move |other: &'a Self| {
             // Of a crowd no more are looked at than are needed.
-            if left == 0 && all_large {
+            if large == 0 && small == 0 {
                 return None;
             }
-            let beside = touch(position, radius, other.position, other.radius);
-            let large = beside && 2.0 * other.radius >= radius;
-            let takes = beside && !(large && left == 0);
-            left -= usize::from(large && takes);
-            Some(takes.then_some(other))
+            let left = if 2.0 * other.radius >= radius { &mut large } else { &mut small };
+            let beside = *left > 0 && touch(position, radius, other.position, other.radius);
+            *left -= usize::from(beside);
+            Some(beside.then_some(other))
         };
         others.iter().map_while(takes).flatten()
     }
@@ -121,9 +130,29 @@ impl Entry {
 #[cfg(test)]
 mod tests {
     use glam::DVec2;
+    use proptest::prelude::*;
 
     use super::*;
     use crate::simulation::ball::Ball;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(8))]
+
+        /// In cells far too large for them, each ball has hundreds beside it, and few that it touches.
+        #[test]
+        fn of_no_crowd_few_are_all(
+            places in prop::collection::vec((0.0..400.0_f64, 0.0..400.0_f64, 1.0..3.0_f64), 2000..3000),
+        ) {
+            let balls: Vec<_> =
+                places.iter().map(|&(x, y, radius)| Ball::new(DVec2::new(x, y), radius).unwrap()).collect();
+            let mut grid = Grid::new(&[Ball::new(DVec2::ZERO, 100.0).unwrap()], DVec2::splat(400.0));
+            let (mut all, mut few) = (Vec::new(), Vec::new());
+            grid.for_each(&balls, |i, j| all.push((i, j)));
+            grid.for_each_of_few(&balls, |i, j| few.push((i, j)));
+            prop_assert!(all.len() > 100);
+            prop_assert_eq!(few, all);
+        }
+    }
 
     #[test]
     fn of_a_crowd_each_ball_has_so_many_pairs_with_large_ones_and_all_with_small_ones() {

@@ -64,7 +64,7 @@ pub(super) fn stays_inside(world: &World, ball: &Ball, gravity: DVec2, seconds: 
 /// touching balls does not count.
 pub(super) fn deepest_overlap(grid: &mut Grid, balls: &[Ball]) -> Option<(usize, f64)> {
     let mut deepest: Option<(usize, f64)> = None;
-    grid.for_each_of_few(balls, |i, j| {
+    grid.for_each(balls, |i, j| {
         let (a, b) = (&balls[i as usize], &balls[j as usize]);
         if a.is_fixed() && b.is_fixed() {
             return;
