@@ -80,6 +80,7 @@ impl Failure {
                 | RunError::Frames(_)
                 | RunError::Replay(_)
                 | RunError::SameOutput { .. }
+                | RunError::OverInput { .. }
                 | RunError::Picture(_)
                 | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
             ) => ExitCode::from(2),
@@ -147,8 +148,10 @@ fn run(args: RunArgs) -> Result<(), Failure> {
             Course::Frames(scene.into(), Frames::even(args.seconds, args.fps).map_err(RunError::from)?)
         }
     };
+    let file = (!carom::scene::names().contains(&args.scene.as_str())).then(|| args.scene.into());
     headless::run(&Run {
         course,
+        inputs: file.into_iter().chain(args.deltas).chain(args.commands).collect(),
         trace: args.trace,
         every: args.every,
         image: args.image,

@@ -140,6 +140,26 @@ fn results_on_standard_output_are_not_mixed_with_the_summary() {
 }
 
 #[test]
+fn no_output_takes_the_place_of_an_input() {
+    let here = folder();
+    let (scene, deltas) = (here.path().join("mine.toml"), here.path().join("deltas.txt"));
+    fs::write(&scene, succeed(&here, &["scene", "draw"])).unwrap();
+    fs::write(&deltas, "0.5\n").unwrap();
+    let replay = here.path().join("mine.replay");
+    fs::write(&replay, "carom replay 1\n").unwrap();
+    let before = [&scene, &deltas, &replay].map(|path| fs::read(path).unwrap());
+    for option in ["--trace", "--image", "--gif", "--summary"] {
+        let message = "is read, and would be written over; give the output a path of its own";
+        fail(&here, &["run", "mine.toml", "--seconds", "0", option, "./mine.toml"], 2, message);
+        fail(&here, &["run", "draw", "--deltas", "deltas.txt", option, "deltas.txt"], 2, message);
+        fail(&here, &["run", "draw", "--commands", "mine.replay", option, "mine.replay"], 2, message);
+    }
+    assert_eq!([&scene, &deltas, &replay].map(|path| fs::read(path).unwrap()), before);
+    // A scene that is built in is read from no file of its name.
+    succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "draw"]);
+}
+
+#[test]
 fn a_gif_lasts_as_long_as_the_simulated_time_at_any_frame_rate() {
     let here = folder();
     for fps in ["24", "60", "144", "7.5"] {

@@ -40,6 +40,8 @@ use crate::simulation::invariants::{energy, max_overlap, max_wall_overlap};
 pub struct Run {
     /// What moves, and by which frames.
     pub course: Course,
+    /// The files that the course was read from: no output takes their place.
+    pub inputs: Vec<PathBuf>,
     /// A CSV of every ball's state at each traced frame.
     pub trace: Option<PathBuf>,
     /// Frame 1 and every `every`-th are traced; at least 1.
@@ -92,6 +94,12 @@ pub enum RunError {
     #[error("two outputs go to {}; give each a path of its own", in_words(path))]
     SameOutput {
         /// Where both should go.
+        path: PathBuf,
+    },
+    /// An output goes where an input is.
+    #[error("{} is read, and would be written over; give the output a path of its own", path.display())]
+    OverInput {
+        /// Where it should go.
         path: PathBuf,
     },
 }
@@ -192,6 +200,7 @@ mod tests {
 
     fn checked(scene: &str) -> Run {
         Run {
+            inputs: Vec::new(),
             course: Course::Frames(
                 Scene::parse("doctored.toml", scene).unwrap().into(),
                 Frames::even(1.0, 60.0).unwrap(),

@@ -26,11 +26,17 @@ pub(super) struct Outputs {
 impl Outputs {
     /// Opens the outputs of a run that begins with this simulation.
     pub(super) fn create(run: &Run, simulation: &Simulation) -> Result<Self, RunError> {
+        // What is no file, a terminal for instance, is not written over.
+        let inputs: Vec<_> =
+            run.inputs.iter().filter(|path| path.is_file()).map(|path| output::canonical(path)).collect();
         let mut places = Vec::new();
         for path in [&run.trace, &run.image, &run.gif, &run.summary].into_iter().flatten() {
             let place = output::canonical(path);
             if places.contains(&place) {
                 return Err(RunError::SameOutput { path: path.clone() });
+            }
+            if inputs.contains(&place) {
+                return Err(RunError::OverInput { path: path.clone() });
             }
             places.push(place);
         }
