@@ -7,6 +7,7 @@ mod panics;
 mod signals;
 
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 use carom::headless::{self, Course, Frames, Run, RunError};
@@ -141,6 +142,7 @@ fn open_window(args: &WindowArgs) -> Result<(), Failure> {
 
 fn run(args: RunArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &args.start)?;
+    let file = scene.file().map(Path::to_owned);
     let course = match (&args.commands, &args.deltas) {
         (Some(path), _) => Course::Replay(Replay::read(path, &scene).map_err(RunError::from)?.into()),
         (None, Some(path)) => Course::Frames(scene.into(), Frames::read(path).map_err(RunError::from)?),
@@ -148,7 +150,6 @@ fn run(args: RunArgs) -> Result<(), Failure> {
             Course::Frames(scene.into(), Frames::even(args.seconds, args.fps).map_err(RunError::from)?)
         }
     };
-    let file = (!carom::scene::names().contains(&args.scene.as_str())).then(|| args.scene.into());
     headless::run(&Run {
         course,
         inputs: file.into_iter().chain(args.deltas).chain(args.commands).collect(),

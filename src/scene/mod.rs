@@ -204,6 +204,12 @@ impl Scene {
         &self.origin
     }
 
+    /// The file that it was loaded from; [`None`] where it is built in.
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        catalogue::find(&self.origin).is_none().then(|| Path::new(&self.origin))
+    }
+
     /// One line on what the scene shows; may be empty.
     #[must_use]
     pub fn about(&self) -> &str {

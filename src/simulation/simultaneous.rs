@@ -37,10 +37,15 @@ impl Contact {
     }
 }
 
-/// Balls take part that touch: their distance's square falls short of that at which they do by no more than this part of
-/// it, as where somebody put them side by side with four decimals. Of what lies deeper in each other, as in a world that
-/// shrank, no time is known at which it met, and a crowd of it takes all sweeps there are.
-pub(super) const TOUCHING: f64 = 1e-5;
+/// Balls touch whose distance's square falls short of that at which they do by no more than this part of it, as where
+/// somebody put them side by side with four decimals.
+const TOUCHING: f64 = 1e-5;
+
+/// Whether two balls lie deeper in each other than those that touch: as in a world that shrank, no time is known at which
+/// they met, and impacts of a crowd of them do not settle.
+pub(super) fn lie_in_each_other(offset: DVec2, reach: f64) -> bool {
+    offset.length_squared() < (1.0 - TOUCHING) * reach * reach
+}
 
 /// The most sweeps that the impulses may take to settle.
 const MOST_SWEEPS: usize = 10_000;

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::super::simultaneous::{self, TOUCHING, exchange};
+use super::super::simultaneous::{self, exchange, lie_in_each_other};
 use super::SHIFT;
 use super::impacts::{Event, Shift, Spot, Stage, pair};
 use super::meeting::{Meeting, strike};
@@ -70,8 +70,7 @@ impl Stage<'_> {
         let held = stripes.list[spot.stripe as usize].held.get(spot.at as usize) == Some(&true);
         let meeting = if held { None } else { self.meeting(bodies, held) }?;
         let reach = self.bodies[bodies.0].radius + self.bodies[bodies.1].radius;
-        let touch = meeting.offset.length_squared() >= (1.0 - TOUCHING) * reach * reach;
-        touch.then_some(Meets { spot, bodies, meeting })
+        (!lie_in_each_other(meeting.offset, reach)).then_some(Meets { spot, bodies, meeting })
     }
 
     /// Gives all balls of these pairs their velocities after the one impact.

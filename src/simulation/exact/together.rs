@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use crate::simulation::Tally;
 use crate::simulation::flight::Pair;
-use crate::simulation::simultaneous::{Body, Contact, TOUCHING, exchange};
+use crate::simulation::simultaneous::{Body, Contact, exchange, lie_in_each_other};
 
 use super::flights::Marks;
 use super::{Exact, LEAN, Needs};
@@ -41,8 +41,8 @@ impl Exact {
     /// touch have with them or with further ones. The two had these velocities before.
     ///
     /// Nothing changes where there are no others, or where any of them may come to rest; nor where the two lie in each
-    /// other, or rounding hides that they touch, as it does where they are tiny and far from the origin: their impact stands, and may not be
-    /// undone.
+    /// other, or rounding hides that they touch, as it does where they are tiny and far from the origin: their impact
+    /// stands, and may not be undone.
     #[cold]
     pub(super) fn collide_together<N: Needs>(
         &mut self,
@@ -134,8 +134,8 @@ impl Exact {
             slow: 0.0,
             dull: 0.0,
         };
-        let deep = pair.offset.length_squared() < (1.0 - TOUCHING) * pair.reach * pair.reach;
-        if deep || !(pair.are_within(AT_HAND) && pair.closes_in()) {
+        let touch = pair.are_within(AT_HAND) && !lie_in_each_other(pair.offset, pair.reach);
+        if !(touch && pair.closes_in()) {
             return None;
         }
         let restitution = matter.restitution.min(theirs.restitution);

@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use super::{Disc, Entry, Grid, compare, touch};
 
-/// The most others, at least half as large, that a ball is paired with from one run of cells. Balls that
-/// do not lie in each other are fewer; of a crowd at one point each is held apart from so many at a time, and from the
-/// rest when these are gone.
+/// The most others, at least half as large, that a ball is paired with from one run of cells. Balls that do not lie in
+/// each other are fewer; of a crowd at one point each is held apart from so many at a time, and from the rest when these
+/// are gone.
 const MOST_BESIDE: usize = 64;
 /// More balls than this in the cells beside one are a crowd, of which the first that touch it are enough.
 const CROWD: usize = 256;

@@ -16,7 +16,7 @@ use super::super::watch::Watch;
 use super::super::{Options, words};
 use super::App;
 use crate::paint::trails::Trails;
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 use crate::session::{Change, Command};
 
 /// How long it is shown where gravity pulls, once it has changed.
@@ -308,6 +308,5 @@ impl App {
 
 /// What tells that the file of a scene was saved, where it has one and that is asked for.
 pub(super) fn watch(scene: &Scene, options: &Options) -> Option<Watch> {
-    let is_file = !scene::names().contains(&scene.argument());
-    (options.watch && is_file).then(|| Watch::new(scene.argument()))
+    scene.file().filter(|_| options.watch).map(Watch::new)
 }
