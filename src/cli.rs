@@ -1,8 +1,11 @@
 //! The command line.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
+use carom::simulation::limits::{MAX_BALLS, SIZE};
 use carom::{DVec2, Solver};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 
 const EXAMPLES: &str = "\
@@ -75,11 +78,12 @@ pub struct SceneArgs {
         value_name = "N",
         default_value_t = 0,
         hide_default_value = true,
+        value_parser = balls,
         allow_negative_numbers = true
     )]
     pub balls: usize,
     /// The random balls' seed: the same seed, the same balls [default: 1]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// The world's size in px, such as 1280x720 [default: the scene's own]
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -129,11 +133,12 @@ pub struct RunArgs {
         value_name = "T",
         default_value_t = 10.0,
         hide_default_value = true,
+        value_parser = seconds,
         allow_negative_numbers = true
     )]
     pub seconds: f64,
     /// Frames per second of simulated time
-    #[arg(long, value_name = "F", default_value_t = 60.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "F", default_value_t = 60.0, value_parser = rate, allow_negative_numbers = true)]
     pub fps: f64,
     /// Take the frames' deltas from a file: seconds, one a line
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seconds", "fps"])]
@@ -145,13 +150,13 @@ pub struct RunArgs {
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
     /// Trace frame 1 and every K-th
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = every, allow_negative_numbers = true, requires = "trace")]
     pub every: u64,
     /// Write the last frame as a picture
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", value_parser = PathBufValueParser::new().try_map(png))]
     pub image: Option<PathBuf>,
     /// Write the run as an animated GIF
-    #[arg(long, value_name = "FILE.gif")]
+    #[arg(long, value_name = "FILE.gif", value_parser = PathBufValueParser::new().try_map(gif))]
     pub gif: Option<PathBuf>,
     /// Hold every frame against the laws (numbers, walls, overlap, energy, momentum, free flight); the first that
     /// breaks one ends the run, and leaves the scene of the frame before
@@ -179,6 +184,55 @@ pub struct ReportArgs {
     pub cell: Option<String>,
 }
 
+fn balls(text: &str) -> Result<usize, String> {
+    // How many are too many, only the scene knows.
+    parsed(text, &format!("write a whole number from 0 to {MAX_BALLS}, such as 50"))
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    parsed(text, &format!("write a whole number from 0 to {}, such as 7", u64::MAX))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    parsed(text, "write a number of seconds, such as 2.5")
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    parsed(text, "write a number of frames per second, such as 60")
+}
+
+fn every(text: &str) -> Result<u64, String> {
+    const WRITE: &str = "write a whole number from 1, such as 10";
+    parsed(text, WRITE).and_then(|every| if every > 0 { Ok(every) } else { Err(WRITE.to_owned()) })
+}
+
+fn parsed<T: FromStr>(text: &str, write: &str) -> Result<T, String> {
+    text.parse().map_err(|_| write.to_owned())
+}
+
+/// The endings of pictures and films, one of which does not do for another.
+const ENDINGS: [&str; 14] =
+    ["png", "gif", "apng", "avif", "bmp", "jpeg", "jpg", "mkv", "mp4", "pdf", "svg", "tif", "tiff", "webp"];
+
+fn png(path: PathBuf) -> Result<PathBuf, String> {
+    ending_in(path, "png")
+}
+
+fn gif(path: PathBuf) -> Result<PathBuf, String> {
+    ending_in(path, "gif")
+}
+
+/// A path that does not promise another kind of file than the one that will be there.
+fn ending_in(path: PathBuf, wanted: &str) -> Result<PathBuf, String> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending {
+        Some(ending) if ending != wanted && ENDINGS.contains(&ending.as_str()) => {
+            Err(format!("what is written is a {wanted}; name it {}", path.with_extension(wanted).display()))
+        }
+        _ => Ok(path),
+    }
+}
+
 fn size(text: &str) -> Result<DVec2, String> {
     let parse = || {
         let (width, height) = text.split_once(['x', 'X'])?;
@@ -186,7 +240,7 @@ fn size(text: &str) -> Result<DVec2, String> {
     };
     let (width, height) = parse().ok_or("write width and height in whole px, such as 1280x720")?;
     let size = DVec2::new(width.into(), height.into());
-    carom::simulation::limits::SIZE.check_vector(size).map_err(|error| error.to_string())
+    SIZE.check_vector(size).map_err(|error| error.to_string())
 }
 
 fn scale(text: &str) -> Result<f64, String> {

@@ -232,7 +232,12 @@ fn outputs_are_written_whole_or_not_at_all() {
     let here = folder();
     fs::create_dir(here.path().join("taken")).unwrap();
     fail(&here, &["run", "draw", "--trace", "taken"], 1, "taken: is a directory");
-    fail(&here, &["run", "draw", "--image", "none/it.png"], 1, "check that the folder exists");
+    fail(
+        &here,
+        &["run", "draw", "--image", "none/it.png"],
+        1,
+        "none/it.png: there is no folder none; no file was written; make the folder first",
+    );
     fail(&here, &["run", "draw", "--trace", "t.csv", "--image", "none/it.png"], 1, "none/it.png");
     assert_eq!(names(here.path()), ["taken"], "nothing half-written stays behind");
     fs::write(here.path().join("t.csv"), "old").unwrap();
@@ -309,6 +314,7 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
     fs::write(here.path().join("bad.txt"), "0\n0.1\nsoon\n").unwrap();
     fs::write(here.path().join("negative.txt"), "-1\n").unwrap();
     fs::write(here.path().join("empty.txt"), "# nothing\n").unwrap();
+    fs::write(here.path().join("a.replay"), "carom replay 1\nscene gravity\nframe 0\n").unwrap();
     fs::write(here.path().join("binary.toml"), [0xff, 0xfe, 0x00]).unwrap();
     let cases: &[(&[&str], &str)] = &[
         (&["run", "nosuch"], "there is no scene \"nosuch\"; choose from: draw"),
@@ -327,9 +333,21 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         (&["run", "draw", "--deltas", "bad.txt", "--fps", "30"], "cannot be used with"),
         (&["run", "draw", "--size", "0x10"], "size is 0 px; it must be from 1"),
         (&["run", "draw", "--size", "wide"], "such as 1280x720"),
-        (&["run", "draw", "--every", "0"], "--every"),
+        (&["run", "draw", "--every", "0", "--trace", "-"], "write a whole number from 1, such as 10"),
+        (&["run", "draw", "--every", "3"], "--trace <FILE.csv>"),
+        (&["run", "draw", "--image", "it.jpg"], "what is written is a png; name it it.png"),
+        (&["run", "draw", "--image", "it.gif"], "what is written is a png; name it it.png"),
+        (&["run", "draw", "--gif", "it.mp4"], "what is written is a gif; name it it.gif"),
+        (&["run", "draw", "--seed", "-1"], "write a whole number from 0 to 18446744073709551615"),
+        (&["run", "draw", "--seconds", "soon"], "write a number of seconds, such as 2.5"),
+        (&["run", "draw", "--fps", "fast"], "write a number of frames per second, such as 60"),
+        (
+            &["run", "a.replay"],
+            "a.replay is a replay, not a scene; play it with carom run gravity --commands a.replay",
+        ),
+        (&["a.replay"], "carom run gravity --commands a.replay"),
         (&["run", "draw", "--solver", "magic"], "there is no solver \"magic\""),
-        (&["run", "draw", "--balls", "-5"], "--balls"),
+        (&["run", "draw", "--balls", "-5"], "write a whole number from 0 to 10000000, such as 50"),
         (&["run", "draw", "--balls", "99999999999"], "balls are too many; the most is 10000000"),
         (&["run", "gravity", "--size", "100x100"], "wider than the world (100x100 px)"),
         (&["run", "draw", "--size", "100000x100000", "--image", "it.png"], "give a smaller --size"),

@@ -59,3 +59,22 @@ fn a_replay_that_is_none_or_of_another_scene_is_refused() {
     std::fs::write(&path, b"carom replay 1\nframe \xff\n").unwrap();
     refused(&["elastic", "--commands", &path], "UTF-8");
 }
+
+#[test]
+fn changes_of_a_replay_that_do_nothing_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.replay");
+    let play = |changes: &str| {
+        std::fs::write(&path, format!("carom replay 1\nscene gravity\nframe 0\n{changes}frame 0.1\n"))
+            .unwrap();
+        let output = run(&["gravity", "--commands", path.to_str().unwrap()]);
+        assert_eq!(output.status.code(), Some(0));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert_eq!(play("remove 14\n"), "");
+    let one = "carom: 1 change of the replay did nothing or less than asked, first after frame 1: there is no ball 15\n";
+    assert_eq!(play("remove 15\n"), one);
+    let three = play("remove 3\nadd-ball 100 100 0 0 -1\ncarry 14 1 2\nplace 99 3 4\n");
+    assert!(three.starts_with("carom: 3 changes of the replay"), "{three}");
+    assert!(three.ends_with("first after frame 1: no room for a ball here\n"), "{three}");
+}

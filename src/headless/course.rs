@@ -2,7 +2,7 @@
 
 use super::frames::Frames;
 use crate::scene::{Rain, Scene, SceneError};
-use crate::session::Replay;
+use crate::session::{Refused, Replay};
 use crate::simulation::Simulation;
 
 /// What moves in a run, and by which frames.
@@ -75,11 +75,10 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Plays what comes after the last frame: changes of a replay.
-    pub(super) fn finish(&mut self) -> Result<(), crate::OutOfRange> {
-        if let Self::Replay(replay) = self {
-            while replay.advance()? {}
-        }
-        Ok(())
+    /// Plays what comes after the last frame, changes of a replay, and tells what was refused of them all.
+    pub(super) fn finish(&mut self) -> Result<Option<&Refused>, crate::OutOfRange> {
+        let Self::Replay(replay) = self else { return Ok(None) };
+        while replay.advance()? {}
+        Ok(replay.refused())
     }
 }

@@ -9,6 +9,7 @@ mod progress;
 mod summary;
 mod unfinished;
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -177,7 +178,10 @@ fn run_by(
     }
     drop(progress);
 
-    player.finish()?;
+    if let Some(refused) = player.finish()? {
+        // Standard error may be gone; the results are not there.
+        let _ = writeln!(io::stderr(), "carom: {refused}");
+    }
     let summary = Summary::new(run.course.scene().name(), player.simulation(), &watched);
     outputs.finish(player.simulation(), &summary)?;
     Ok(summary)

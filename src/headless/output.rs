@@ -30,8 +30,10 @@ impl OutputError {
 fn remedy(path: &Path) -> &'static str {
     if is_stdout(path) {
         ""
+    } else if !folder(path).is_dir() {
+        "; no file was written; make the folder first, or give another"
     } else {
-        "; no file was written; check that the folder exists, may be written to and has room"
+        "; no file was written; check that the folder may be written to and has room"
     }
 }
 

@@ -62,7 +62,12 @@ impl Unfinished {
         }
         let mut unfinished = unfinished();
         // What the system said, without the temporary name that it said it of.
-        let file = builder.tempfile_in(folder).map_err(|error| io::Error::from(error.kind()))?;
+        let file = builder.tempfile_in(folder).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => {
+                io::Error::new(io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()))
+            }
+            kind => kind.into(),
+        })?;
         unfinished.push(file.path().to_owned());
         Ok(Self { file: Some(file) })
     }

@@ -36,6 +36,14 @@ pub enum SceneError {
         /// The largest length allowed.
         most: u64,
     },
+    /// The file is a replay.
+    #[error("{0} is a replay, not a scene; play it with carom run {scene} --commands {0}", path.display())]
+    Replay {
+        /// The file's path.
+        path: PathBuf,
+        /// The scene that it is of.
+        scene: String,
+    },
     /// The text is not a scene.
     #[error("{0}")]
     Wrong(Fault),
@@ -82,6 +90,14 @@ pub(crate) fn shown(text: &str, most: usize) -> String {
     shown
 }
 
+/// The line of the byte `offset`, from 1, and its text.
+pub(super) fn line_at(source: &str, offset: usize) -> (usize, &str) {
+    // An offset within a character, which the parser never gives, counts as the text's end.
+    let before = source.get(..offset).unwrap_or(source);
+    let line = 1 + before.matches('\n').count();
+    (line, source.lines().nth(line - 1).unwrap_or_default().trim_end())
+}
+
 impl Fault {
     /// A fault at the byte `offset` of `source`, or in the whole of it.
     pub(super) fn at(origin: &str, source: &str, offset: Option<usize>, message: &str) -> Self {
@@ -89,11 +105,8 @@ impl Fault {
         let Some(offset) = offset else {
             return Self { origin, line: None, text: String::new(), message };
         };
-        // An offset within a character, which the parser never gives, counts as the line's end.
-        let before = source.get(..offset).unwrap_or(source);
-        let line = 1 + before.matches('\n').count();
-        let text = shown(source.lines().nth(line - 1).unwrap_or_default().trim_end(), LONGEST_LINE);
-        Self { origin, line: Some(line), text, message }
+        let (line, text) = line_at(source, offset);
+        Self { origin, line: Some(line), text: shown(text, LONGEST_LINE), message }
     }
 }
 

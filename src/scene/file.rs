@@ -7,10 +7,11 @@ use glam::DVec2;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::error::Fault;
+use super::advice::advice;
+use super::error::{Fault, line_at};
 use super::fill::{Fill, Material};
 use super::rain::{RAIN_RATE, Rain};
-use super::values::{Corners, Count, Interval, Number, Pair};
+use super::values::{Corners, Count, Interval, Named, Number, Pair, Table};
 use super::{DEFAULT_SIZE, Scene};
 use crate::simulation::limits::{
     COORDINATE, GRAVITY, MASS, MAX_BALLS, Quantity, RADIUS, RESTITUTION, SIZE, VELOCITY,
@@ -28,23 +29,13 @@ pub(super) const DEFAULT_SEED: u64 = 1;
 pub(super) fn parse(origin: &str, source: &str) -> Result<Scene, Fault> {
     let fault = |at: At| Fault::at(origin, source, at.offset, &at.message);
     let file: File = toml::from_str(source).map_err(|error| {
-        // The one message of the parser's that does not say what to write.
-        let message = error.message().replace("invalid type: map, expected a sequence", ONE_BRACKET);
-        let message = if message.contains(TOO_DEEP) { ONE_LEVEL.to_owned() } else { message };
-        fault(At { offset: error.span().map(|span| span.start), message })
+        let offset = error.span().map(|span| span.start);
+        let line = offset.map_or("", |offset| line_at(source, offset).1.trim_start());
+        fault(At { offset, message: advice(error.message(), line) })
     })?;
     file.into_scene(origin).map_err(fault)
 }
 
-/// What is said of `[ball]` and `[fill]`.
-const ONE_BRACKET: &str =
-    "this table may come more than once; write its name in two brackets: [[ball]], [[fill]]";
-
-/// What the parser's message on tables and arrays that are nested a hundred deep and more has in it.
-const TOO_DEEP: &str = "recurs";
-/// What is said of them instead.
-const ONE_LEVEL: &str =
-    "this is nested too deep; a scene file has no tables in tables, and no arrays in arrays";
 /// The most characters of a scene's description.
 const LONGEST_ABOUT: usize = 1000;
 /// The most fills of a scene: each looks at all balls before it.
@@ -82,23 +73,23 @@ struct File {
     solver: Option<Spanned<String>>,
     size: Option<Spanned<Pair>>,
     gravity: Option<Spanned<Pair>>,
-    walls: Option<WallsTable>,
-    pairs: Option<PairsTable>,
+    walls: Option<Table<WallsTable>>,
+    pairs: Option<Table<PairsTable>>,
     #[serde(default, rename = "ball")]
-    balls: Vec<Spanned<BallTable>>,
+    balls: Vec<Spanned<Table<BallTable>>>,
     #[serde(default, rename = "fill")]
-    fills: Vec<Spanned<FillTable>>,
-    rain: Option<RainTable>,
+    fills: Vec<Spanned<Table<FillTable>>>,
+    rain: Option<Table<RainTable>>,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table: [walls]")]
+#[serde(deny_unknown_fields)]
 struct WallsTable {
     restitution: Option<Spanned<Number>>,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table: [pairs]")]
+#[serde(deny_unknown_fields)]
 struct PairsTable {
     #[serde(default)]
     response: Response,
@@ -113,7 +104,7 @@ enum Response {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a table: [[ball]]")]
+#[serde(deny_unknown_fields)]
 struct BallTable {
     position: Spanned<Pair>,
     radius: Spanned<Number>,
@@ -139,9 +130,9 @@ struct RandomBalls<'a> {
 /// A table of random balls, with one key of its own. (Serde's `flatten` would neither refuse unknown keys nor know
 /// where a value stands.)
 macro_rules! random_balls {
-    ($table:ident, $expecting:literal, $own:ident: $type:ty) => {
+    ($table:ident, $own:ident: $type:ty) => {
         #[derive(Deserialize)]
-        #[serde(deny_unknown_fields, expecting = $expecting)]
+        #[serde(deny_unknown_fields)]
         struct $table {
             $own: Spanned<$type>,
             radius: Spanned<Interval>,
@@ -169,8 +160,28 @@ macro_rules! random_balls {
     };
 }
 
-random_balls!(FillTable, "a table: [[fill]]", count: Count);
-random_balls!(RainTable, "a table: [rain]", rate: Number);
+random_balls!(FillTable, count: Count);
+random_balls!(RainTable, rate: Number);
+
+impl Named for WallsTable {
+    const NAME: &str = "[walls]";
+}
+
+impl Named for PairsTable {
+    const NAME: &str = "[pairs]";
+}
+
+impl Named for BallTable {
+    const NAME: &str = "[[ball]]";
+}
+
+impl Named for FillTable {
+    const NAME: &str = "[[fill]]";
+}
+
+impl Named for RainTable {
+    const NAME: &str = "[rain]";
+}
 
 impl File {
     fn into_scene(self, origin: &str) -> Result<Scene, At> {
@@ -185,7 +196,7 @@ impl File {
         let world = self.world(size)?;
         let balls = self.balls(size)?;
         let fills = self.fills(size, balls.len())?;
-        let rain = self.rain.map(|rain| rain.rain(size)).transpose()?;
+        let rain = self.rain.map(|Table(rain)| rain.rain(size)).transpose()?;
         let about = self.about.map_or(Ok(String::new()), checked_about)?;
         Ok(Scene {
             origin: origin.to_owned(),
@@ -206,11 +217,11 @@ impl File {
             let gravity = gravity.checked(|Pair(gravity)| GRAVITY.check_vector(gravity))?;
             world = world.with_gravity(gravity).expect("gravity was checked");
         }
-        if let Some(walls) = &self.walls {
+        if let Some(Table(walls)) = &self.walls {
             let restitution = optional(walls.restitution.as_ref(), &RESTITUTION, 1.0)?;
             world = world.with_walls(restitution).expect("the walls' restitution was checked");
         }
-        if let Some(pairs) = &self.pairs {
+        if let Some(Table(pairs)) = &self.pairs {
             world = world.with_pairs(match pairs.response {
                 Response::Impulse => Pairs::Impulse,
                 Response::Detect => Pairs::Detect,
@@ -222,10 +233,12 @@ impl File {
     fn balls(&self, size: DVec2) -> Result<Vec<Ball>, At> {
         let mut balls = Vec::with_capacity(self.balls.len());
         for table in &self.balls {
-            let table = table.get_ref();
+            let Table(table) = table.get_ref();
             let ball = table.ball()?;
-            if self.walls.is_some() || table.wide != Some(true) {
-                check_width(table.radius.span(), ball.radius(), size)?;
+            if self.walls.is_some() {
+                check_width(table.radius.span(), ball.radius(), size, "")?;
+            } else if table.wide != Some(true) {
+                check_width(table.radius.span(), ball.radius(), size, OR_WIDE)?;
             }
             balls.push(ball);
         }
@@ -242,11 +255,13 @@ impl File {
         let mut fills = Vec::with_capacity(self.fills.len());
         let mut total = balls;
         for table in &self.fills {
-            let fill = table.get_ref().fill(size, table.span().start)?;
+            let Table(fill) = table.get_ref();
+            let count_at = fill.count.span();
+            let fill = fill.fill(size, table.span().start)?;
             total = total.saturating_add(fill.count);
             if total > MAX_BALLS {
                 let message = format!("the scene has {total} balls; a simulation takes at most {MAX_BALLS}");
-                return Err(at(table.get_ref().count.span(), message));
+                return Err(at(count_at, message));
             }
             fills.push(fill);
         }
@@ -332,7 +347,7 @@ impl RandomBalls<'_> {
             None => None,
             Some(region) => Some(region.checked(|corners| corners.check(size, radius.1))?),
         };
-        check_width(self.radius.span(), radius.1, size)?;
+        check_width(self.radius.span(), radius.1, size, "")?;
         let seed = self.seed.map_or(DEFAULT_SEED, |seed| seed.0);
         Ok(Fill { count: 0, radius, speed, material, restitution, seed, region, offset: None })
     }
@@ -349,14 +364,18 @@ fn optional(number: Option<&Spanned<Number>>, quantity: &'static Quantity, defau
     number.map_or(Ok(default), |number| number.checked(|Number(value)| quantity.check(value)))
 }
 
+/// What else the author of a ball that is too wide may want, where there are no walls.
+const OR_WIDE: &str = ", or wide = true if it is meant to be";
+
 /// Checks that a ball fits into a world of `size`; where its radius stands is `span`.
-fn check_width(span: Range<usize>, radius: f64, size: DVec2) -> Result<(), At> {
+fn check_width(span: Range<usize>, radius: f64, size: DVec2, or_else: &str) -> Result<(), At> {
     let most = size.min_element() / 2.0;
     if radius <= most {
         return Ok(());
     }
     let message = format!(
-        "a ball of radius {radius} px is larger than the world ({}x{} px); write at most {most}, or a larger size",
+        "a ball of radius {radius} px is larger than the world ({}x{} px); write at most {most}, or a larger \
+         size{or_else}",
         size.x, size.y
     );
     Err(at(span, message))

@@ -14,7 +14,7 @@ pub struct Listing {
     pub about: String,
     /// Its solver's name.
     pub solver: &'static str,
-    /// How many balls it has.
+    /// How many balls it begins with.
     pub balls: usize,
     /// The parts of the solver that run.
     pub uses: Vec<String>,
@@ -32,7 +32,12 @@ impl Listing {
     }
 
     fn new(scene: &Scene) -> Result<Self, SceneError> {
-        let simulation = scene.build()?;
+        let mut simulation = scene.build()?;
+        let balls = simulation.balls().len();
+        if let Some(mut rain) = scene.rain() {
+            // Before the first ball falls in, nothing of what it meets is needed.
+            rain.advance_while(&mut simulation, 1.0, || true).expect("a second is a delta");
+        }
         let parts = simulation.parts();
         let without = |wanted: &[Part]| !parts.iter().any(|part| wanted.contains(part));
         let left_out = [
@@ -45,7 +50,7 @@ impl Listing {
             name: scene.name().to_owned(),
             about: scene.about().to_owned(),
             solver: simulation.solver().name(),
-            balls: simulation.balls().len(),
+            balls,
             uses: parts.iter().map(Part::to_string).collect(),
             leaves_out: left_out.into_iter().filter(|&(_, out)| out).map(|(name, _)| name).collect(),
         })

@@ -50,6 +50,7 @@
 //! # Ok::<(), carom::SceneError>(())
 //! ```
 
+mod advice;
 mod catalogue;
 mod error;
 mod file;
@@ -86,6 +87,10 @@ pub const DEFAULT_SIZE: DVec2 = DVec2::new(1280.0, 720.0);
 pub const DEFAULT_SCENE: &str = "gravity";
 /// The longest scene file, bytes: that of two million balls. The parser takes up to fifty times as much memory.
 const LONGEST_FILE: u64 = 1 << 27;
+/// What a [replay](crate::session::Replay) begins with, which is no scene.
+const REPLAY: &str = "carom replay ";
+/// The most characters of another scene's name or path that a message quotes.
+const LONGEST_NAME: usize = 200;
 
 /// A scene: a world, balls, random fills, and the solver that suits them.
 ///
@@ -126,7 +131,12 @@ impl Scene {
         if path.extension().is_none() && path.components().count() <= 1 {
             return Err(SceneError::Unknown { name: name.to_owned() });
         }
-        Self::parse(name, &read(path)?)
+        let source = read(path)?;
+        if source.starts_with(REPLAY) {
+            let scene = source.lines().find_map(|line| line.strip_prefix("scene ")).unwrap_or("SCENE");
+            return Err(SceneError::Replay { path: path.to_owned(), scene: shown(scene, LONGEST_NAME) });
+        }
+        Self::parse(name, &source)
     }
 
     /// A scene from the text of a scene file; messages call it `origin`.

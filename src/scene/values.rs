@@ -1,9 +1,11 @@
 //! The values of a scene file: numbers, pairs, ranges, and what is said where one is something else.
 
 use std::fmt;
+use std::marker::PhantomData;
 
 use glam::DVec2;
-use serde::de::{Error as _, SeqAccess, Visitor};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::simulation::limits::Quantity;
@@ -26,6 +28,14 @@ pub(super) struct Corners([f64; 4]);
 
 /// A whole number from 0 up.
 pub(super) struct Count(pub(super) u64);
+
+/// A table, and nothing but a table. (What serde derives takes an array for one, too, value by value.)
+pub(super) struct Table<T>(pub(super) T);
+
+/// What a table is called, with its brackets.
+pub(super) trait Named {
+    const NAME: &str;
+}
 
 impl Interval {
     /// Both ends, in the range of `quantity` and in their order.
@@ -62,6 +72,26 @@ impl Corners {
             ));
         }
         Ok((low, high))
+    }
+}
+
+impl<'de, T: Deserialize<'de> + Named> Deserialize<'de> for Table<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TableVisitor<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de> + Named> Visitor<'de> for TableVisitor<T> {
+            type Value = Table<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "a table: {}", T::NAME)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Table<T>, A::Error> {
+                T::deserialize(MapAccessDeserializer::new(map)).map(Table)
+            }
+        }
+
+        deserializer.deserialize_map(TableVisitor(PhantomData))
     }
 }
 

@@ -105,6 +105,9 @@ pub enum CommandError {
     /// A ball cannot be added at this place.
     #[error("no room for a ball here")]
     NoRoomHere,
+    /// There is no ball of this index.
+    #[error("there is no ball {0}")]
+    NoBall(usize),
     /// The ball cannot be moved.
     #[error("this ball is fixed")]
     Fixed,

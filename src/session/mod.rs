@@ -29,7 +29,7 @@ use glam::DVec2;
 
 pub use command::{Change, Command, CommandError};
 use pace::Pace;
-pub use replay::{Replay, ReplayError};
+pub use replay::{Refused, Replay, ReplayError};
 use state::State;
 use tape::{Entry, Frame, Tape};
 use work::Work;

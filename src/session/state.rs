@@ -127,14 +127,10 @@ impl State {
             Change::Reseed(seed) => return self.reseed(seed),
             Change::AddRandom(count) => self.add_random(count),
             Change::AddBall { position, velocity, radius } => self.add_ball(position, velocity, radius),
-            Change::RemoveLast => self.simulation.balls().len().checked_sub(1).map_or(Ok(()), |last| {
-                self.remove(last);
-                Ok(())
-            }),
-            Change::Remove(index) => {
-                self.remove(index);
-                Ok(())
+            Change::RemoveLast => {
+                self.simulation.balls().len().checked_sub(1).map_or(Ok(()), |last| self.remove(last))
             }
+            Change::Remove(index) => self.remove(index),
             Change::Carry { ball, to } => self.carry(ball, to),
             Change::Place { ball, at } => self.place(ball, at),
             Change::Solver(solver) => {
@@ -207,10 +203,17 @@ impl State {
         Ok(())
     }
 
-    fn remove(&mut self, index: usize) {
+    /// The ball of this index.
+    fn ball(&self, index: usize) -> Result<&Ball, CommandError> {
+        self.simulation.balls().get(index).ok_or(CommandError::NoBall(index))
+    }
+
+    fn remove(&mut self, index: usize) -> Result<(), CommandError> {
+        self.ball(index)?;
         for simulation in self.simulations() {
             simulation.remove(index);
         }
+        Ok(())
     }
 
     /// The radius, at most `radius`, of a ball that fits at `position` between walls and other balls, px.
@@ -228,6 +231,7 @@ impl State {
 
     /// Gives a ball the velocity that brings it to where the hand is.
     fn carry(&mut self, ball: usize, to: DVec2) -> Result<(), CommandError> {
+        self.ball(ball)?;
         for simulation in self.simulations() {
             let Some(carried) = simulation.balls().get(ball) else { continue };
             if carried.is_fixed() {
@@ -241,8 +245,7 @@ impl State {
     }
 
     fn place(&mut self, index: usize, at: DVec2) -> Result<(), CommandError> {
-        let Some(ball) = self.simulation.balls().get(index) else { return Ok(()) };
-        let placed = ball.with_position(at)?;
+        let placed = self.ball(index)?.with_position(at)?;
         if self.simulation.world().pairs().is_some() && !self.is_free(index, &placed) {
             return Err(CommandError::NoRoomHere);
         }

@@ -17,7 +17,8 @@ pub(super) fn free(balls: &[Ball]) -> impl Iterator<Item = &Ball> {
 /// The kinetic energy of all balls, mass·px²/s².
 #[must_use]
 pub fn kinetic_energy(balls: &[Ball]) -> f64 {
-    free(balls).map(|ball| 0.5 * ball.mass * ball.velocity.length_squared()).sum()
+    // From 0: the sum of no numbers at all is −0.
+    free(balls).fold(0.0, |sum, ball| sum + 0.5 * ball.mass * ball.velocity.length_squared())
 }
 
 /// The potential energy of all balls under the world's gravity, mass·px²/s²: 0 for a ball that lies on the edge (or
@@ -34,7 +35,7 @@ pub fn potential_energy(world: &World, balls: &[Ball]) -> f64 {
         let down = height(gravity.y, ball.position.y, ball.radius, world.size.y);
         ball.mass * (gravity.x.abs() * across + gravity.y.abs() * down)
     };
-    free(balls).map(work).sum()
+    free(balls).map(work).fold(0.0, |sum, work| sum + work)
 }
 
 /// The kinetic and the potential energy of all balls, mass·px²/s².

@@ -15,6 +15,7 @@ use thiserror::Error;
 
 pub(super) use write::write;
 
+use super::command::CommandError;
 use super::state::State;
 use super::tape::Entry;
 use crate::scene::{self, Rain, Scene, SceneError};
@@ -35,6 +36,29 @@ pub struct Replay {
     entries: Vec<Entry>,
     /// The entry that is played next.
     at: usize,
+    refused: Option<Refused>,
+}
+
+/// What of a replay did nothing, or less than it says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refused {
+    /// How many changes.
+    pub changes: u64,
+    /// The first: how many frames came before it.
+    pub frame: u64,
+    /// Why.
+    pub reason: String,
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { changes, frame, reason } = self;
+        let (changes, s) = (*changes, if *changes == 1 { "" } else { "s" });
+        write!(
+            f,
+            "{changes} change{s} of the replay did nothing or less than asked, first after frame {frame}: {reason}"
+        )
+    }
 }
 
 /// Why a replay cannot be played.
@@ -125,7 +149,7 @@ impl Replay {
                 given: scene.argument().to_owned(),
             });
         }
-        Ok(Self { scene: start, seed: header.seed, state, entries, at: 0 })
+        Ok(Self { scene: start, seed: header.seed, state, entries, at: 0, refused: None })
     }
 
     /// The scene that is played, as the replay wants it.
@@ -146,6 +170,12 @@ impl Replay {
         self.entries.iter().filter(|entry| matches!(entry, Entry::Frame(_))).count() as u64
     }
 
+    /// What was refused so far, if anything was: as it was when it was recorded, unless the file has been changed since.
+    #[must_use]
+    pub fn refused(&self) -> Option<&Refused> {
+        self.refused.as_ref()
+    }
+
     /// Plays on to the end of the next frame; whether there was one. Changes behind the last frame take place, too.
     ///
     /// # Errors
@@ -156,10 +186,22 @@ impl Replay {
             match entry {
                 Entry::Frame(frame) => return frame.repeat(&mut self.state).map(|_| true),
                 // What was refused then is refused again.
-                Entry::Change(change) => drop(self.state.apply(**change)),
+                Entry::Change(change) => {
+                    if let Err(error) = self.state.apply(**change) {
+                        self.note(&error);
+                    }
+                }
             }
         }
         Ok(false)
+    }
+
+    /// Notes that the entry before the next one was refused.
+    fn note(&mut self, error: &CommandError) {
+        let frames =
+            || self.entries[..self.at].iter().filter(|entry| matches!(entry, Entry::Frame(_))).count();
+        let first = || Refused { changes: 0, frame: frames() as u64, reason: error.to_string() };
+        self.refused.get_or_insert_with(first).changes += 1;
     }
 }
 
