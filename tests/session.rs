@@ -247,7 +247,7 @@ fn a_ball_is_put_down_only_where_it_overlaps_no_other() {
 }
 
 #[test]
-fn a_fixed_ball_is_not_carried_and_one_that_is_not_there_does_nothing() {
+fn a_fixed_ball_is_not_carried_and_one_that_is_not_there_is_refused() {
     let mut session = session("galton", Solver::Contact);
     let peg = balls(&session).iter().position(Ball::is_fixed).unwrap();
     let to = DVec2::new(100.0, 100.0);
@@ -256,7 +256,7 @@ fn a_fixed_ball_is_not_carried_and_one_that_is_not_there_does_nothing() {
     for change in
         [Change::Carry { ball: 99_999, to }, Change::Place { ball: 99_999, at: to }, Change::Remove(99_999)]
     {
-        session.apply(change.into()).unwrap();
+        assert!(matches!(session.apply(change.into()), Err(CommandError::NoBall(99_999))), "{change:?}");
     }
     assert_eq!(balls(&session), before);
 }
