@@ -13,7 +13,7 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
     (
         "paint",
         &["simulation"],
-        &["epaint_default_fonts", "gif", "glam", "thiserror", "tiny_skia", "ttf_parser"],
+        &["epaint_default_fonts", "gif", "glam", "thiserror", "tiny_skia", "ab_glyph"],
     ),
     (
         "headless",
@@ -33,7 +33,7 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
             "serde_json",
             "thiserror",
             "tiny_skia",
-            "ttf_parser",
+            "ab_glyph",
         ],
     ),
     (

@@ -2,9 +2,9 @@
 
 use std::sync::OnceLock;
 
+use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point};
 use glam::DVec2;
 use tiny_skia::{Color, FillRule, Paint, PathBuilder, PixmapMut, Transform};
-use ttf_parser::{Face, OutlineBuilder};
 
 /// The advance of every glyph of the font, which is monospaced, as a fraction of the size.
 const ADVANCE: f64 = 0.602;
@@ -16,6 +16,9 @@ pub(crate) const BASELINE: f64 = LINE / 2.0 + 0.35;
 /// as fractions of the size.
 const MISSING: [f64; 4] = [0.08, 0.52, 0.72, 0.05];
 
+/// The glyph of characters that the font lacks.
+const LACKING: GlyphId = GlyphId(0);
+
 /// The width of a line of text at `size` px.
 pub(crate) fn width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * ADVANCE * size
@@ -23,13 +26,14 @@ pub(crate) fn width(text: &str, size: f64) -> f64 {
 
 /// Fills a line of text whose baseline starts at `at`. A character that the font lacks is shown as a box.
 pub(crate) fn text(pixmap: &mut PixmapMut<'_>, at: DVec2, size: f64, colour: impl Into<Color>, text: &str) {
-    let Some(face) = face() else { return };
-    let scale = size / f64::from(face.units_per_em());
+    let Some(font) = font() else { return };
+    let Some(units_per_em) = font.units_per_em() else { return };
+    let scale = size / f64::from(units_per_em);
     let mut outline = Outline { path: PathBuilder::new(), origin: at, scale };
     for character in text.chars() {
-        match face.glyph_index(character) {
-            Some(glyph) => drop(face.outline_glyph(glyph, &mut outline)),
-            None => outline.missing(size),
+        match font.glyph_id(character) {
+            LACKING => outline.missing(size),
+            glyph => outline.glyph(&font.outline(glyph).map(|glyph| glyph.curves).unwrap_or_default()),
         }
         outline.origin.x += ADVANCE * size;
     }
@@ -75,9 +79,9 @@ pub(crate) fn shorten(text: &str, characters: usize) -> String {
     format!("{}…", kept.trim_end())
 }
 
-fn face() -> Option<&'static Face<'static>> {
-    static FACE: OnceLock<Option<Face<'static>>> = OnceLock::new();
-    FACE.get_or_init(|| Face::parse(epaint_default_fonts::HACK_REGULAR, 0).ok()).as_ref()
+fn font() -> Option<&'static FontRef<'static>> {
+    static FONT: OnceLock<Option<FontRef<'static>>> = OnceLock::new();
+    FONT.get_or_init(|| FontRef::try_from_slice(epaint_default_fonts::HACK_REGULAR).ok()).as_ref()
 }
 
 /// Glyphs in font units, y up, on their way to a path in px, y down.
@@ -88,9 +92,45 @@ struct Outline {
 }
 
 impl Outline {
-    fn point(&self, x: f32, y: f32) -> (f32, f32) {
+    fn point(&self, Point { x, y }: Point) -> (f32, f32) {
         let at = self.origin + DVec2::new(f64::from(x), -f64::from(y)) * self.scale;
         (at.x as f32, at.y as f32)
+    }
+
+    /// The closed contours of a glyph: where a curve does not begin at the end of the one before, the next begins.
+    fn glyph(&mut self, curves: &[OutlineCurve]) {
+        let mut end = None;
+        for curve in curves {
+            let (&OutlineCurve::Line(start, next)
+            | &OutlineCurve::Quad(start, _, next)
+            | &OutlineCurve::Cubic(start, _, _, next)) = curve;
+            if end != Some(start) {
+                self.close(end);
+                let (x, y) = self.point(start);
+                self.path.move_to(x, y);
+            }
+            let (x, y) = self.point(next);
+            match curve {
+                OutlineCurve::Line(..) => self.path.line_to(x, y),
+                &OutlineCurve::Quad(_, control, _) => {
+                    let (x1, y1) = self.point(control);
+                    self.path.quad_to(x1, y1, x, y);
+                }
+                &OutlineCurve::Cubic(_, first, second, _) => {
+                    let ((x1, y1), (x2, y2)) = (self.point(first), self.point(second));
+                    self.path.cubic_to(x1, y1, x2, y2, x, y);
+                }
+            }
+            end = Some(next);
+        }
+        self.close(end);
+    }
+
+    /// Closes the contour that ends here, if any does.
+    fn close(&mut self, end: Option<Point>) {
+        if end.is_some() {
+            self.path.close();
+        }
     }
 
     /// The box for a character that the font lacks: a rectangle, and a hole in it that turns the other way.
@@ -102,38 +142,12 @@ impl Outline {
         self.polygon([(left, line), (right, line), (right, top), (left, top)]);
     }
 
-    fn polygon(&mut self, [first, others @ ..]: [(f32, f32); 4]) {
-        self.move_to(first.0, first.1);
-        for (x, y) in others {
-            self.line_to(x, y);
-        }
-        self.close();
-    }
-}
-
-impl OutlineBuilder for Outline {
-    fn move_to(&mut self, x: f32, y: f32) {
-        let (x, y) = self.point(x, y);
-        self.path.move_to(x, y);
-    }
-
-    fn line_to(&mut self, x: f32, y: f32) {
-        let (x, y) = self.point(x, y);
-        self.path.line_to(x, y);
-    }
-
-    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        let ((x1, y1), (x, y)) = (self.point(x1, y1), self.point(x, y));
-        self.path.quad_to(x1, y1, x, y);
-    }
-
-    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let ((x1, y1), (x2, y2), (x, y)) = (self.point(x1, y1), self.point(x2, y2), self.point(x, y));
-        self.path.cubic_to(x1, y1, x2, y2, x, y);
-    }
-
-    fn close(&mut self) {
-        self.path.close();
+    fn polygon(&mut self, corners: [(f32, f32); 4]) {
+        let [first, second, third, fourth] = corners.map(|(x, y)| Point { x, y });
+        self.glyph(
+            &[(first, second), (second, third), (third, fourth)]
+                .map(|(from, to)| OutlineCurve::Line(from, to)),
+        );
     }
 }
 
@@ -145,11 +159,12 @@ mod tests {
 
     #[test]
     fn the_font_is_there_and_as_wide_as_said() {
-        let face = face().unwrap();
-        let em = f64::from(face.units_per_em());
+        let font = font().unwrap();
+        let em = font.units_per_em().unwrap();
         for character in "aM0.←→·".chars() {
-            let advance = face.glyph_hor_advance(face.glyph_index(character).unwrap()).unwrap();
-            assert!((f64::from(advance) / em - ADVANCE).abs() < 1e-3, "{character}");
+            let glyph = font.glyph_id(character);
+            let advance = f64::from(font.h_advance_unscaled(glyph) / em);
+            assert!(glyph != LACKING && (advance - ADVANCE).abs() < 1e-3, "{character}");
         }
     }
 
