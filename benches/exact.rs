@@ -129,9 +129,12 @@ fn discs(side: usize, eta: f64) -> Simulation {
     Simulation::new(world, (0..side * side).map(disc).collect(), Solver::Exact).expect("a lattice in its box")
 }
 
-/// Z = PA/NkT of hard discs by ten virial coefficients over powers of the second, and a geometric tail.
+/// Z = PA/NkT of hard discs by ten virial coefficients over powers of the second (Clisby & McCoy 2006), continued by the
+/// Padé approximant [5/4] that has the same ten.
+///
+/// At η = 0.5 that is 4.10637; the approximants [4/5], [6/3] and [3/6] differ from it by at most 0.004 %. A geometric tail
+/// behind the tenth term comes to 4.10715, 0.02 % more: the ratio of the terms still falls.
 fn virial_series(eta: f64) -> f64 {
-    // Clisby & McCoy (2006).
     const COEFFICIENTS: [f64; 10] = [
         1.0,
         1.0,
@@ -144,13 +147,23 @@ fn virial_series(eta: f64) -> f64 {
         0.036_219_3,
         0.019_953_7,
     ];
-    let terms: Vec<f64> = COEFFICIENTS
-        .iter()
-        .zip(0..)
-        .map(|(coefficient, power)| coefficient * (2.0 * eta).powi(power))
-        .collect();
-    let ratio = terms[9] / terms[8];
-    terms.iter().sum::<f64>() + terms[9] * ratio / (1.0 - ratio)
+    let mut sum = 0.0;
+    let partial_sums = COEFFICIENTS.iter().zip(0..).map(|(coefficient, power)| {
+        sum += coefficient * (2.0 * eta).powi(power);
+        sum
+    });
+    pade(&partial_sums.skip(1).collect::<Vec<_>>())
+}
+
+/// The Padé approximant of a series by an odd number of its partial sums: the epsilon algorithm (Wynn 1956).
+fn pade(partial_sums: &[f64]) -> f64 {
+    let (mut before, mut column) = (vec![0.0; partial_sums.len() + 1], partial_sums.to_vec());
+    while column.len() > 1 {
+        let next =
+            column.windows(2).zip(&before[1..]).map(|(pair, before)| before + 1.0 / (pair[1] - pair[0]));
+        (before, column) = (column.clone(), next.collect());
+    }
+    column[0]
 }
 
 /// Z between walls by the rate of impacts (see `tests/exact_gas.rs`), with its standard error from the averages of
