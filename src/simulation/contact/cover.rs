@@ -1,8 +1,11 @@
-//! Single balls that go where the last search for pairs does not cover them: their pairs alone are looked for.
+//! What covers a ball: the disc in which the last search for pairs has looked. Where single balls leave theirs, their pairs
+//! alone are looked for.
 
 use glam::DVec2;
 
-use super::find::{Cells, Covered, FEW, Home, Near, Pair, in_cells, is_clear};
+use super::super::grid::Disc;
+use super::find::{Cells, FEW, Near, in_cells, is_clear};
+use super::holds::Pair;
 use super::layout::Layer;
 use super::stripes::{Stripe, of_layer};
 use super::team::Team;
@@ -15,6 +18,42 @@ const MORE: usize = 4;
 /// Balls are a crowd where there are more pairs than so many for each, and of these more overlap than so many for each:
 /// balls that lie beside each other touch in no more than three.
 const CROWD: (usize, usize) = (32, 8);
+
+/// The place around which a ball is covered, and how far from there it may go before it is covered anew, px.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Home {
+    pub(super) position: DVec2,
+    pub(super) reach: f64,
+}
+
+impl Home {
+    /// The covered place nearest to `to`.
+    pub(super) fn limit(&self, to: DVec2) -> DVec2 {
+        self.position + (to - self.position).clamp_length_max(self.reach)
+    }
+
+    #[inline]
+    pub(super) fn covers(&self, place: DVec2) -> bool {
+        place.distance_squared(self.position) <= self.reach * self.reach
+    }
+}
+
+/// The disc that a ball stays in while it is covered.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Covered {
+    pub(super) centre: DVec2,
+    pub(super) radius: f64,
+}
+
+impl Disc for Covered {
+    fn centre(&self) -> DVec2 {
+        self.centre
+    }
+
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+}
 
 impl Near {
     /// Whether balls lie so deep in each other, as in a world that shrank, that what covers one covers most. Then none is

@@ -5,7 +5,9 @@
 
 use glam::{DVec2, Vec2Swizzles};
 
-use super::super::grid::{Disc, Grid, touch};
+use super::super::grid::{Grid, touch};
+use super::cover::{Covered, Home};
+use super::holds::{Beside, Hold, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Kept, Known};
 use super::sleep::Rest;
@@ -77,95 +79,6 @@ struct Gathered {
     pairs: Vec<Pair>,
     /// The same by the numbers of their stripes.
     parted: Vec<Vec<Pair>>,
-}
-
-/// Two balls that may touch.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Pair {
-    pub(super) first: u32,
-    pub(super) second: u32,
-}
-
-impl Pair {
-    /// The same pair where balls are counted from `start` balls before.
-    #[inline]
-    pub(super) fn from(self, start: usize) -> Self {
-        Self { first: self.first + start as u32, second: self.second + start as u32 }
-    }
-}
-
-/// How two balls hold each other.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Hold {
-    /// The accumulated impulse that holds them apart in a substep, mass·px/s along `normal`.
-    pub(super) impulse: f64,
-    /// From the second to the first, of length 1, where it was last needed.
-    pub(super) normal: DVec2,
-    /// What is left of what was given along earlier directions, mass·px/s.
-    pub(super) grip: DVec2,
-    /// The velocity, px/s along `normal`, with which they would just touch at the end of the substep.
-    pub(super) least: f64,
-    /// Whether they have come to touch in this substep.
-    pub(super) met: bool,
-    /// The effective mass of both along `normal`: 1 over the sum of their inverse masses.
-    pub(super) mass: f64,
-}
-
-impl Hold {
-    pub(super) const NONE: Self =
-        Self { impulse: 0.0, normal: DVec2::ZERO, grip: DVec2::ZERO, least: 0.0, met: false, mass: 0.0 };
-}
-
-/// What holds a ball in a substep, px/s.
-pub(super) struct Given {
-    /// The sum.
-    pub(super) velocity: DVec2,
-    /// The sum of the sizes, whatever their directions.
-    pub(super) pressed: f64,
-}
-
-/// A ball that may touch a wall.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Beside {
-    pub(super) body: u32,
-    /// The velocity that the walls give it in a substep, px/s.
-    pub(super) push: DVec2,
-}
-
-/// The place around which a ball is covered, and how far from there it may go before it is covered anew, px.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Home {
-    pub(super) position: DVec2,
-    pub(super) reach: f64,
-}
-
-impl Home {
-    /// The covered place nearest to `to`.
-    pub(super) fn limit(&self, to: DVec2) -> DVec2 {
-        self.position + (to - self.position).clamp_length_max(self.reach)
-    }
-
-    #[inline]
-    pub(super) fn covers(&self, place: DVec2) -> bool {
-        place.distance_squared(self.position) <= self.reach * self.reach
-    }
-}
-
-/// The disc that a ball stays in while it is covered.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Covered {
-    pub(super) centre: DVec2,
-    pub(super) radius: f64,
-}
-
-impl Disc for Covered {
-    fn centre(&self) -> DVec2 {
-        self.centre
-    }
-
-    fn radius(&self) -> f64 {
-        self.radius
-    }
 }
 
 /// What balls carry from one search to the next: lists with one entry a ball, which are put in a new order together.

@@ -8,9 +8,9 @@
 //! so it may be hit much more often, and where that is not enough, the substep ends for all fast balls there and then
 //! (continuous collision detection): they lose time, never their speed, and go through nothing.
 
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use super::events::{Event, Spot, What};
 use super::find::FEW;
 use super::meeting::{Approach, Meeting, exchange};
 use super::sleep::Rest;
@@ -42,13 +42,6 @@ pub(super) struct Stage<'a> {
     /// Impacts that are foreseen.
     pub(super) queue: &'a mut BinaryHeap<Event>,
     pub(super) limits: Limits,
-}
-
-/// Where a pair stands, or a ball beside a wall: the number of its stripe, and its place there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Spot {
-    pub(super) stripe: u32,
-    pub(super) at: u32,
 }
 
 /// What is known of a body's impacts in a substep.
@@ -94,61 +87,6 @@ pub(super) struct Limits {
     pub(super) exhausted: bool,
     /// Whether it has.
     pub(super) ended: bool,
-}
-
-/// An impact that is foreseen, while both bodies have been hit so often.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Event {
-    /// s after the substep's beginning.
-    pub(super) time: f64,
-    what: What,
-    hits: (u32, u32),
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum What {
-    /// The ball at this place beside the walls reaches one.
-    Wall(Spot),
-    /// This fast body meets a wall across this axis.
-    FastWall(u32, u8),
-    /// The pair of this place meets.
-    Pair(Spot),
-}
-
-impl Eq for Event {}
-
-impl Ord for Event {
-    /// The earliest is the greatest; those at one time come in the order of their places.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.time.total_cmp(&self.time).then_with(|| other.what.cmp(&self.what))
-    }
-}
-
-impl PartialOrd for Event {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Event {
-    /// The place of the pair that meets, if it is one.
-    pub(super) fn pair(&self) -> Option<Spot> {
-        match self.what {
-            What::Pair(spot) => Some(spot),
-            What::Wall(_) | What::FastWall(..) => None,
-        }
-    }
-
-    /// The same, foreseen by the stripe of this number as if it were all there is.
-    pub(super) fn of_stripe(self, number: usize) -> Self {
-        let spot = |spot: Spot| Spot { stripe: number as u32, ..spot };
-        let what = match self.what {
-            What::Wall(at) => What::Wall(spot(at)),
-            What::Pair(at) => What::Pair(spot(at)),
-            What::FastWall(..) => self.what,
-        };
-        Self { what, ..self }
-    }
 }
 
 impl Limits {

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::impacts::{Spot, Stage};
+use super::events::Spot;
+use super::impacts::Stage;
 use super::sleep::wake_by_hit;
 use super::stripes::Stripes;
 use super::{Body, Setting};

@@ -2,32 +2,39 @@
 //!
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
-//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `order`; of
+//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `holds`, `order`; of
 //!    single balls `cover`);
-//! 3. balls that meet exchange momentum at their time of impact (`rounds`, `impacts`, `meeting`, `together`,
+//! 3. balls that meet exchange momentum at their time of impact (`rounds`, `events`, `impacts`, `meeting`, `together`,
 //!    `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
-//!    (`support`);
+//!    (`support`, `wall_support`);
 //! 5. balls move (`Contact::travel`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`).
+//!
+//! At a frame's end the balls are shown as they are then (`show`).
 //!
 //! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`).
 //!
 //! Velocities are those half-way between two positions (leapfrog), so that a ball at rest has none. Frames evaluate the
 //! substeps and never write back, so the result does not depend on how time is cut into frames.
 
+mod body;
 mod cover;
+mod events;
 mod find;
+mod holds;
 mod impacts;
 mod layout;
 mod meeting;
 mod order;
 mod rounds;
+mod show;
 mod sleep;
 mod stripes;
 mod support;
 mod team;
 mod together;
+mod wall_support;
 mod walls;
 
 use glam::DVec2;
@@ -37,6 +44,7 @@ use super::clock::Clock;
 use super::grid::Grid;
 use super::world::{Pairs, World};
 use super::{Advance, Frame, Part, Tally, Tuning};
+use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
 use rounds::Course;
@@ -61,47 +69,6 @@ const FIRM: f64 = 2.0;
 
 /// A ball that an impact shifts by less than this part of its radius counts as not shifted.
 const SHIFT: f64 = 0.02;
-
-/// A ball as the solver moves it: one cache line.
-#[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
-struct Body {
-    /// Where it is; during a substep in which it was hit, where it would have started to end where it does.
-    position: DVec2,
-    /// Its velocity through the substep, px/s: the mean of those at the substep's ends.
-    velocity: DVec2,
-    /// What that would be without the forces that hold it in this substep.
-    free: DVec2,
-    /// 0 where nothing moves it.
-    inverse_mass: f64,
-    radius: f64,
-}
-
-impl Body {
-    fn new(ball: &Ball, kick: DVec2) -> Self {
-        // Half a substep before its beginning.
-        let velocity = if ball.is_fixed() { DVec2::ZERO } else { ball.velocity - 0.5 * kick };
-        Self {
-            position: ball.position,
-            velocity,
-            free: velocity,
-            inverse_mass: ball.mass.recip(),
-            radius: ball.radius,
-        }
-    }
-
-    /// Where it is at the end of a substep.
-    #[inline]
-    fn end(&self, substep: f64) -> DVec2 {
-        self.position + self.velocity * substep
-    }
-
-    /// By what gravity and supports change its velocity from one substep to the next.
-    #[inline]
-    fn change(&self, kick: DVec2) -> DVec2 {
-        if self.inverse_mass > 0.0 { kick + (self.velocity - self.free) } else { DVec2::ZERO }
-    }
-}
 
 /// What all parts of a substep need to know of the world.
 #[derive(Debug, Clone, Copy)]
@@ -281,72 +248,6 @@ impl Contact {
                 }
             }
         });
-    }
-
-    /// Notes which bodies are held in the substep that is over.
-    fn find_held(&mut self) {
-        let Self { near: Some(near), held, bodies, .. } = self else { return };
-        held.clear();
-        held.resize(bodies.len(), false);
-        for (first, second, _) in near.holding() {
-            (held[first], held[second]) = (true, true);
-        }
-        for (body, _) in near.beside().filter(|(_, beside)| beside.push != DVec2::ZERO) {
-            held[body] = true;
-        }
-    }
-
-    /// A body's velocity between the substep that is over and the next.
-    fn velocity_between(&self, at: usize) -> DVec2 {
-        let body = &self.bodies[at];
-        let held = self.held.get(at) == Some(&true);
-        if held { body.velocity } else { body.velocity + 0.5 * body.change(self.setting.kick) }
-    }
-
-    /// Whether nothing but gravity moved a body in the substep that is over.
-    fn flew(&self, at: usize) -> bool {
-        let body = &self.bodies[at];
-        let was_hit = self.course.was_hit(at);
-        body.inverse_mass > 0.0 && body.velocity == body.free && !was_hit && self.held.get(at) != Some(&true)
-    }
-
-    /// Shows the balls as they are at the clock's time, `since` s after the last whole substep but one where that is
-    /// not 0. This evaluates, and never writes back.
-    fn show(&mut self, frame: &mut Frame<'_>, since: f64) {
-        let share = since * f64::from(self.rate);
-        self.find_held();
-        for (at, body) in self.bodies.iter().enumerate() {
-            let ball = &mut frame.balls[self.ids[at] as usize];
-            if ball.is_fixed() {
-                // Not even rounding moves it.
-                continue;
-            }
-            let (mut position, mut velocity) = (body.position, self.velocity_between(at));
-            if let Some(&(was, had)) = self.before.get(at) {
-                position = was.lerp(position, share);
-                velocity = had.lerp(velocity, share);
-                if self.flew(at) {
-                    // Its path is a parabola, not that line.
-                    position -= 0.5 * share * (1.0 - share) * self.setting.substep * self.setting.kick;
-                }
-            }
-            (ball.position, ball.velocity) = (position, velocity);
-        }
-        if let Some(near) = &self.near {
-            for (first, second, _) in near.holding() {
-                (self.hit[first], self.hit[second]) = (true, true);
-            }
-            for (&id, hit) in self.ids.iter().zip(&mut self.hit) {
-                frame.touching[id as usize] = *hit;
-                *hit = false;
-            }
-        } else {
-            frame.touching.fill(false);
-        }
-        if let Some(grid) = &mut self.shown {
-            frame.touching.fill(false);
-            frame.show_overlaps::<true>(grid);
-        }
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::Body;
-use super::find::{Hold, Pair};
+use super::holds::{Hold, Pair};
 use super::layout::Layout;
 use super::stripes::Stripe;
 

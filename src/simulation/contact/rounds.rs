@@ -9,8 +9,10 @@
 use std::collections::BinaryHeap;
 use std::mem::take;
 
-use super::find::{Home, Near};
-use super::impacts::{Event, Fate, Limits, Stage};
+use super::cover::Home;
+use super::events::Event;
+use super::find::Near;
+use super::impacts::{Fate, Limits, Stage};
 use super::layout::{Layer, Layout};
 use super::stripes::{Stripe, Stripes, of_layer};
 use super::{Contact, Tally};

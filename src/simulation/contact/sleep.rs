@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::find::Given;
+use super::holds::Given;
 use super::stripes::Stripes;
 use super::support::let_go;
 use super::{Body, Contact, Setting};

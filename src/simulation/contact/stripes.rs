@@ -4,8 +4,8 @@
 use std::collections::BinaryHeap;
 
 use super::super::Tally;
-use super::find::{Beside, Given, Hold, Pair};
-use super::impacts::Event;
+use super::events::Event;
+use super::holds::{Beside, Given, Hold, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Heights, Links};
 use super::{Body, DVec2};

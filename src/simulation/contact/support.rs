@@ -11,11 +11,13 @@
 use glam::DVec2;
 
 use super::super::impulse::COINCIDENT_NORMAL;
-use super::find::{Beside, FEW, Hold, Near, Pair};
+use super::find::{FEW, Near};
+use super::holds::{Hold, Pair};
 use super::impacts::{Fate, Shift};
 use super::layout::Layer;
 use super::sleep::Rest;
 use super::stripes::{Stripe, of_layer};
+use super::wall_support::{hold_on_walls, relax_on_walls};
 use super::{Body, Contact, Setting};
 
 /// Pairs farther apart than this part of their radii, and not closing in, are left out of a substep.
@@ -31,8 +33,6 @@ const YIELDING: f64 = 1.0 / (1.0 + SOFT);
 const LOOSENED: f64 = 0.02;
 /// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
 const STEADY: f64 = 0.03;
-/// A wall's push that is less than this part of a velocity is rounding.
-const ROUNDING: f64 = 1e-9;
 /// The part of slow sliding of balls that press on each other that is taken away in a substep.
 const DAMPED: f64 = 0.1;
 /// Rounds over the pairs of one ball, where each may undo some of what the others did.
@@ -372,49 +372,4 @@ fn two(bodies: &mut [Body], pair: Pair) -> (&mut Body, &mut Body) {
     let both = bodies.get_disjoint_mut([pair.first as usize, pair.second as usize]);
     let [first, second] = both.expect("a pair is of two balls");
     (first, second)
-}
-
-/// Stops the balls that walls hold at the walls. The largest change of a ball's speed, in radii a second.
-#[inline]
-fn hold_on_walls(setting: &Setting, bodies: &mut [Body], beside: &mut [Beside]) -> f64 {
-    let mut most = 0.0_f64;
-    for beside in beside {
-        let body = &mut bodies[beside.body as usize];
-        if body.inverse_mass == 0.0 {
-            continue;
-        }
-        // The velocities with which it would just reach the walls at the end of the substep.
-        let low = ((DVec2::splat(body.radius) - body.position) / setting.substep).min(DVec2::ZERO);
-        let high = ((setting.size - body.radius - body.position) / setting.substep).max(DVec2::ZERO);
-        let without = body.velocity - beside.push;
-        let held = without.max(low).min(high);
-        beside.push = held - without;
-        most = most.max((body.velocity - held).abs().max_element() / body.radius);
-        body.velocity = held;
-    }
-    most
-}
-
-/// Takes the velocities away that walls gave to balls that would have overlapped them.
-fn relax_on_walls(bodies: &mut [Body], beside: &mut [Beside]) {
-    for beside in beside {
-        if bodies[beside.body as usize].inverse_mass == 0.0 {
-            continue;
-        }
-        // What comes near a wall only now meets it in the next substep.
-        let held = beside.push;
-        let hold = |velocity: f64, push: f64| {
-            let without = velocity - push;
-            if push > 0.0 { without.max(0.0) } else { without.min(0.0) }
-        };
-        let body = &mut bodies[beside.body as usize];
-        for axis in 0..2 {
-            // Not for what rounding leaves: one that just comes to a wall is not held by it.
-            if held[axis].abs() > ROUNDING * body.velocity[axis].abs() {
-                let velocity = hold(body.velocity[axis], held[axis]);
-                beside.push[axis] += velocity - body.velocity[axis];
-                body.velocity[axis] = velocity;
-            }
-        }
-    }
 }

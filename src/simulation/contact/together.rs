@@ -9,7 +9,8 @@ use glam::DVec2;
 
 use super::super::simultaneous::{self, exchange, lie_in_each_other};
 use super::SHIFT;
-use super::impacts::{Event, Shift, Spot, Stage, pair};
+use super::events::{Event, Spot};
+use super::impacts::{Shift, Stage, pair};
 use super::meeting::{Meeting, strike};
 use super::stripes::Stripes;
 

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::find::Beside;
+use super::holds::Beside;
 use super::meeting::strike;
 use super::{Body, SHIFT, Setting, Tally};
 

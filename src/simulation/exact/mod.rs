@@ -10,7 +10,7 @@
 //! - `foresee`: which event comes next for a ball, and the crossing of borders between cells;
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
-//! - `settle`: how they come to rest on each other;
+//! - `settle`, `group`: how they come to rest on each other;
 //! - `cells`, `calendar`: where balls are, and the queue.
 
 mod begin;
@@ -18,6 +18,7 @@ mod calendar;
 mod cells;
 mod flights;
 mod foresee;
+mod group;
 mod impacts;
 mod settle;
 mod together;

@@ -13,10 +13,9 @@ use glam::DVec2;
 use crate::simulation::flight::DEEP;
 
 use super::flights::{Flight, Marks, Matter};
+use super::group::{Group, Member, Support};
 use super::{Exact, LEAN, Needs};
 
-/// The part of gravity that may be left unbalanced on a ball that is held: as if there were so much friction.
-const UNBALANCED: f64 = 1e-3;
 /// How slow balls that touch, but have not chattered, are beside each other if they are of one group, in rest speeds.
 const SLOW: f64 = LEAN;
 /// How fast, in rest speeds, what hits a held ball is if it frees it. What is slower bounces off it as off a fixed one.
@@ -25,12 +24,8 @@ pub(super) const FIRM: f64 = 2.0;
 const BESIDE: f64 = 0.25;
 /// The most balls of a group. Held ones beyond it count as immovable.
 const LARGEST: usize = 4096;
-/// The part of the approach that may be left when it is taken: what is left, the next impacts see to.
-const PRECISION: f64 = 1e-6;
 /// How fast a ball leaves the wall that it rests on at least, in rest speeds.
 const LIFTED: f64 = 1e-3;
-/// How often it is tried to find those contacts that push.
-const ROUNDS: usize = 12;
 /// Steps of conjugate gradients, over one contact, that are paid for with one event. They take about a hundredth of the
 /// time of that, so that the search for groups takes a third of all time at most.
 const STEPS_PER_EVENT: usize = 32;
@@ -40,55 +35,8 @@ const IN_VAIN: i64 = 4;
 const STUCK: usize = 1000;
 /// Balls that are in so many others each are no group that could rest: it would take long to find out.
 const MOST_CONTACTS: usize = 8;
-/// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
-const FEW_CONTACTS: usize = 32;
 /// No place in a group.
 const NONE: u32 = u32::MAX;
-
-/// A ball of a group.
-#[derive(Debug, Clone, Copy)]
-struct Member {
-    slot: usize,
-    position: DVec2,
-    /// It overlaps another by more than rounding.
-    deep: bool,
-    stays: bool,
-}
-
-/// Two members that touch, or one and what nothing moves.
-#[derive(Debug, Clone, Copy)]
-struct Contact {
-    one: usize,
-    against: Support,
-    /// The unit vector to the one.
-    normal: DVec2,
-    /// The sum of the inverse masses.
-    give: f64,
-    /// The force, or the momentum, that each gives to the other.
-    push: f64,
-    /// Whether there is to be no relative motion along the contact; else there is no push.
-    pushes: bool,
-}
-
-/// What a member touches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Support {
-    Member(usize),
-    Wall,
-    /// A ball that counts as immovable, by its slot.
-    Immovable(usize),
-}
-
-/// Balls that touch each other, directly or through others.
-#[derive(Debug, Default)]
-struct Group {
-    members: Vec<Member>,
-    inverse_masses: Vec<f64>,
-    velocities: Vec<DVec2>,
-    /// The members' accelerations, px/s²: gravity, then what the pushes at the contacts leave of it.
-    accelerations: Vec<DVec2>,
-    contacts: Vec<Contact>,
-}
 
 impl Exact {
     /// Stops the group of a ball that has chattered for long, and lays it to rest as far as it is in balance.
@@ -281,155 +229,4 @@ impl Exact {
             self.foresee::<N>(slot, now);
         }
     }
-}
-
-impl Contact {
-    /// How fast the two part, or are driven apart.
-    fn parting(&self, motions: &[DVec2]) -> f64 {
-        let other = if let Support::Member(other) = self.against { motions[other] } else { DVec2::ZERO };
-        (motions[self.one] - other).dot(self.normal)
-    }
-
-    /// Changes the motions of the two by a push.
-    fn apply(&self, push: f64, motions: &mut [DVec2], inverse_masses: &[f64]) {
-        motions[self.one] += self.normal * (push * inverse_masses[self.one]);
-        if let Support::Member(other) = self.against {
-            motions[other] -= self.normal * (push * inverse_masses[other]);
-        }
-    }
-}
-
-impl Group {
-    /// Takes a ball in, and returns its place in the group.
-    fn add(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), mass: f64, gravity: DVec2) -> usize {
-        self.members.push(Member { slot, position, deep: false, stays: false });
-        self.inverse_masses.push(mass.recip());
-        self.velocities.push(velocity);
-        self.accelerations.push(gravity);
-        self.members.len() - 1
-    }
-
-    fn add_contact(&mut self, one: usize, against: Support, normal: DVec2) {
-        let theirs = if let Support::Member(other) = against { self.inverse_masses[other] } else { 0.0 };
-        let give = self.inverse_masses[one] + theirs;
-        self.contacts.push(Contact { one, against, normal, give, push: 0.0, pushes: false });
-    }
-
-    /// Takes the approach from velocities, as impacts without restitution would in the end, and returns how many steps
-    /// it took.
-    fn take_approach(&mut self) -> usize {
-        let approaches = self.contacts.iter().map(|contact| -contact.parting(&self.velocities));
-        let most = approaches.fold(0.0, f64::max);
-        let (mut velocities, mut contacts) = (self.velocities.clone(), self.contacts.clone());
-        let steps = relieve(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * most);
-        // Where no answer was found, not even that they lose energy is sure.
-        if self.energy(&velocities) <= self.energy(&self.velocities) {
-            self.velocities = velocities;
-        }
-        steps
-    }
-
-    /// Twice their kinetic energy.
-    fn energy(&self, velocities: &[DVec2]) -> f64 {
-        let each = velocities.iter().zip(&self.inverse_masses);
-        each.map(|(velocity, inverse_mass)| velocity.length_squared() / inverse_mass).sum()
-    }
-
-    /// Looks for forces that balance gravity, and returns how many steps it took.
-    fn balance(&mut self, gravity: f64) -> usize {
-        let precision = if self.contacts.len() <= FEW_CONTACTS { 1e-14 } else { 0.1 * UNBALANCED };
-        relieve(&mut self.accelerations, &self.inverse_masses, &mut self.contacts, precision * gravity)
-    }
-
-    /// Chooses the members that stay: slow, in balance, and neither supported nor pressed by any but such as stay.
-    /// What overlaps is to part first, unless it is `stuck`: there is no room.
-    fn choose(&mut self, gravity: f64, rest_speed: f64, stuck: bool) {
-        let Self { members, velocities, accelerations, contacts, .. } = self;
-        let enough = UNBALANCED * gravity;
-        for ((member, velocity), acceleration) in members.iter_mut().zip(velocities).zip(&*accelerations) {
-            let still = if member.deep { stuck } else { velocity.length() <= rest_speed };
-            member.stays = still && acceleration.length() <= enough;
-        }
-        let mut found = false;
-        while !found {
-            found = true;
-            for contact in &*contacts {
-                let Support::Member(other) = contact.against else { continue };
-                let counts = contact.push > 0.0 || contact.parting(accelerations) < -enough;
-                if counts && members[contact.one].stays != members[other].stays {
-                    (members[contact.one].stays, members[other].stays) = (false, false);
-                    found = false;
-                }
-            }
-        }
-    }
-}
-
-/// Solves the linear complementarity problem of the contacts: finds pushes, none of which pulls, that leave the
-/// members' motions without approach, and returns how many steps it took. At first all contacts push that do not part,
-/// then those that would pull do not, and those that approach do, and again (block pivoting; Portugal, Júdice & Vicente
-/// 1994).
-fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
-    let mut steps = 0;
-    for contact in &mut *contacts {
-        contact.pushes = contact.parting(motions) <= 0.0;
-    }
-    for _ in 0..ROUNDS {
-        contacts.sort_by_key(|contact| !contact.pushes);
-        let pushing = contacts.partition_point(|contact| contact.pushes);
-        steps += 1 + solve(motions, inverse_masses, &mut contacts[..pushing], enough);
-        let mut found = true;
-        for contact in &mut *contacts {
-            if contact.push < 0.0 {
-                contact.apply(-contact.push, motions, inverse_masses);
-                (contact.push, contact.pushes, found) = (0.0, false, false);
-            }
-        }
-        for contact in &mut contacts[pushing..] {
-            if contact.parting(motions) < -enough {
-                (contact.pushes, found) = (true, false);
-            }
-        }
-        if found {
-            break;
-        }
-    }
-    steps
-}
-
-/// Finds the pushes after which there is no relative motion along any contact, up to `enough`, from those that there
-/// are, by preconditioned conjugate gradients (Hestenes & Stiefel 1952), and returns how many steps it took.
-fn solve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
-    let most = 2 * contacts.len() + 20;
-    let mut residuals: Vec<f64> = contacts.iter().map(|contact| -contact.parting(motions)).collect();
-    let mut directions = vec![0.0; contacts.len()];
-    let mut moved = vec![DVec2::ZERO; motions.len()];
-    let mut before = f64::INFINITY;
-    for taken in 0..most {
-        if residuals.iter().all(|residual| residual.abs() <= enough) {
-            return taken;
-        }
-        let squares =
-            contacts.iter().zip(&residuals).map(|(contact, residual)| residual * residual / contact.give);
-        let square = squares.sum::<f64>();
-        moved.fill(DVec2::ZERO);
-        for ((contact, residual), direction) in contacts.iter().zip(&residuals).zip(&mut directions) {
-            *direction = residual / contact.give + square / before * *direction;
-            contact.apply(*direction, &mut moved, inverse_masses);
-        }
-        before = square;
-        let curvatures =
-            contacts.iter().zip(&directions).map(|(contact, direction)| contact.parting(&moved) * direction);
-        let curvature = curvatures.sum::<f64>();
-        if curvature <= 0.0 {
-            return taken;
-        }
-        let step = square / curvature;
-        for ((contact, residual), direction) in contacts.iter_mut().zip(&mut residuals).zip(&directions) {
-            contact.push += step * direction;
-            *residual -= step * contact.parting(&moved);
-        }
-        motions.iter_mut().zip(&moved).for_each(|(motion, moved)| *motion += *moved * step);
-    }
-    most
 }

@@ -1,0 +1,46 @@
+//! A ball as the `contact` solver moves it.
+
+use glam::DVec2;
+
+use super::super::ball::Ball;
+
+/// A ball as the solver moves it: one cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Body {
+    /// Where it is; during a substep in which it was hit, where it would have started to end where it does.
+    pub(super) position: DVec2,
+    /// Its velocity through the substep, px/s: the mean of those at the substep's ends.
+    pub(super) velocity: DVec2,
+    /// What that would be without the forces that hold it in this substep.
+    pub(super) free: DVec2,
+    /// 0 where nothing moves it.
+    pub(super) inverse_mass: f64,
+    pub(super) radius: f64,
+}
+
+impl Body {
+    pub(super) fn new(ball: &Ball, kick: DVec2) -> Self {
+        // Half a substep before its beginning.
+        let velocity = if ball.is_fixed() { DVec2::ZERO } else { ball.velocity - 0.5 * kick };
+        Self {
+            position: ball.position,
+            velocity,
+            free: velocity,
+            inverse_mass: ball.mass.recip(),
+            radius: ball.radius,
+        }
+    }
+
+    /// Where it is at the end of a substep.
+    #[inline]
+    pub(super) fn end(&self, substep: f64) -> DVec2 {
+        self.position + self.velocity * substep
+    }
+
+    /// By what gravity and supports change its velocity from one substep to the next.
+    #[inline]
+    pub(super) fn change(&self, kick: DVec2) -> DVec2 {
+        if self.inverse_mass > 0.0 { kick + (self.velocity - self.free) } else { DVec2::ZERO }
+    }
+}
