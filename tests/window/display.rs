@@ -205,6 +205,21 @@ impl Window<'_> {
         Screenshot(self.display.ask("import", &["-silent", "-window", "root", "-depth", "8", "rgb:-"]))
     }
 
+    /// Waits until it leaves the processor alone: for two seconds at a stretch. What it did before may still be under way,
+    /// on a busy machine for long.
+    pub fn wait_idle(&mut self) {
+        self.wait("two seconds in which the processor is left alone", |window| {
+            let before = window.processor_time();
+            sleep(Duration::from_secs(2));
+            window.processor_time() - before <= 0.04
+        });
+    }
+
+    /// Waits until the picture stands still, for a second at a stretch.
+    pub fn wait_still(&mut self) {
+        self.wait("a picture that stands still", |window| !window.moves());
+    }
+
     /// Whether the picture changes within a second.
     pub fn moves(&self) -> bool {
         let before = self.screenshot();
