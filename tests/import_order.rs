@@ -13,7 +13,7 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
     (
         "paint",
         &["simulation"],
-        &["epaint_default_fonts", "gif", "glam", "thiserror", "tiny_skia", "ab_glyph"],
+        &["ab_glyph", "epaint_default_fonts", "gif", "glam", "thiserror", "tiny_skia"],
     ),
     (
         "headless",
