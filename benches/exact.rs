@@ -129,7 +129,7 @@ fn discs(side: usize, eta: f64) -> Simulation {
     Simulation::new(world, (0..side * side).map(disc).collect(), Solver::Exact).expect("a lattice in its box")
 }
 
-/// Z = PA/NkT of hard discs by ten virial coefficients over powers of the second (Clisby & McCoy 2006), continued by the
+/// Z = PA/NkT of hard discs by ten virial coefficients over powers of the second (Clisby & `McCoy` 2006), continued by the
 /// Padé approximant [5/4] that has the same ten.
 ///
 /// At η = 0.5 that is 4.10637; the approximants [4/5], [6/3] and [3/6] differ from it by at most 0.004 %. A geometric tail
