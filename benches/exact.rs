@@ -159,6 +159,10 @@ fn virial_series(eta: f64) -> f64 {
 fn pade(partial_sums: &[f64]) -> f64 {
     let (mut before, mut column) = (vec![0.0; partial_sums.len() + 1], partial_sums.to_vec());
     while column.len() > 1 {
+        if column.windows(2).any(|pair| pair[0] == pair[1]) {
+            // At such a density it has converged already.
+            return partial_sums[partial_sums.len() - 1];
+        }
         let next =
             column.windows(2).zip(&before[1..]).map(|(pair, before)| before + 1.0 / (pair[1] - pair[0]));
         (before, column) = (column.clone(), next.collect());

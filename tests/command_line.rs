@@ -343,9 +343,9 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         (&["run", "draw", "--fps", "fast"], "write a number of frames per second, such as 60"),
         (
             &["run", "a.replay"],
-            "a.replay is a replay, not a scene; play it with carom run gravity --commands a.replay",
+            "a.replay is a replay, not a scene; play it with carom run gravity --commands \"a.replay\"",
         ),
-        (&["a.replay"], "carom run gravity --commands a.replay"),
+        (&["a.replay"], "carom run gravity --commands \"a.replay\""),
         (&["run", "draw", "--solver", "magic"], "there is no solver \"magic\""),
         (&["run", "draw", "--balls", "-5"], "write a whole number from 0 to 10000000, such as 50"),
         (&["run", "draw", "--balls", "99999999999"], "balls are too many; the most is 10000000"),
@@ -434,6 +434,9 @@ fn scenes_lists_what_each_shows_uses_and_leaves_out() {
         serde_json::json!(["motion", "gravity", "walls", "all pairs", "events", "impulse"])
     );
     assert_eq!(list[7]["leaves_out"], serde_json::json!([]));
+    // As it is while it falls, not before its first ball.
+    let rain = list.iter().find(|scene| scene["name"] == "rain").unwrap();
+    assert_eq!((&rain["balls"], &rain["leaves_out"]), (&serde_json::json!(0), &serde_json::json!([])));
 }
 
 #[test]

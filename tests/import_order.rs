@@ -25,6 +25,7 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
         // Of headless, how output files are written, and the progress bar.
         &["simulation", "scene", "headless"],
         &[
+            "ab_glyph",
             "epaint_default_fonts",
             "glam",
             "plotters",
@@ -33,7 +34,6 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
             "serde_json",
             "thiserror",
             "tiny_skia",
-            "ab_glyph",
         ],
     ),
     (

@@ -72,9 +72,9 @@ fn changes_of_a_replay_that_do_nothing_are_told() {
         String::from_utf8(output.stderr).unwrap()
     };
     assert_eq!(play("remove 14\n"), "");
-    let one = "carom: 1 change of the replay did nothing or less than asked, first after frame 1: there is no ball 15\n";
+    let one = "carom: 1 change of the replay did nothing or less than asked, as when it was recorded unless the file was changed since; the first, after frame 1: there is no ball 15, counted from 0\n";
     assert_eq!(play("remove 15\n"), one);
     let three = play("remove 3\nadd-ball 100 100 0 0 -1\ncarry 14 1 2\nplace 99 3 4\n");
     assert!(three.starts_with("carom: 3 changes of the replay"), "{three}");
-    assert!(three.ends_with("first after frame 1: no room for a ball here\n"), "{three}");
+    assert!(three.ends_with("the first, after frame 1: no room for a ball here\n"), "{three}");
 }

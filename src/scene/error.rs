@@ -37,7 +37,7 @@ pub enum SceneError {
         most: u64,
     },
     /// The file is a replay.
-    #[error("{0} is a replay, not a scene; play it with carom run {scene} --commands {0}", path.display())]
+    #[error("{0} is a replay, not a scene; play it with carom run {scene} --commands \"{0}\"", path.display())]
     Replay {
         /// The file's path.
         path: PathBuf,
@@ -90,12 +90,23 @@ pub(crate) fn shown(text: &str, most: usize) -> String {
     shown
 }
 
-/// The line of the byte `offset`, from 1, and its text.
-pub(super) fn line_at(source: &str, offset: usize) -> (usize, &str) {
+/// A place in a text.
+pub(super) struct Place<'a> {
+    /// The line, from 1.
+    pub(super) number: usize,
+    /// That line's text.
+    pub(super) line: &'a str,
+    /// How many of its bytes stand before the place.
+    pub(super) column: usize,
+}
+
+/// The place of the byte `offset`.
+pub(super) fn place_of(source: &str, offset: usize) -> Place<'_> {
     // An offset within a character, which the parser never gives, counts as the text's end.
     let before = source.get(..offset).unwrap_or(source);
-    let line = 1 + before.matches('\n').count();
-    (line, source.lines().nth(line - 1).unwrap_or_default().trim_end())
+    let number = 1 + before.matches('\n').count();
+    let line = source.lines().nth(number - 1).unwrap_or_default().trim_end();
+    Place { number, line, column: before.len() - before.rfind('\n').map_or(0, |at| at + 1) }
 }
 
 impl Fault {
@@ -105,8 +116,8 @@ impl Fault {
         let Some(offset) = offset else {
             return Self { origin, line: None, text: String::new(), message };
         };
-        let (line, text) = line_at(source, offset);
-        Self { origin, line: Some(line), text: shown(text, LONGEST_LINE), message }
+        let Place { number, line, .. } = place_of(source, offset);
+        Self { origin, line: Some(number), text: shown(line, LONGEST_LINE), message }
     }
 }
 

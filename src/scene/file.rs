@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::advice::advice;
-use super::error::{Fault, line_at};
+use super::error::{Fault, place_of};
 use super::fill::{Fill, Material};
 use super::rain::{RAIN_RATE, Rain};
 use super::values::{Corners, Count, Interval, Named, Number, Pair, Table};
@@ -30,8 +30,11 @@ pub(super) fn parse(origin: &str, source: &str) -> Result<Scene, Fault> {
     let fault = |at: At| Fault::at(origin, source, at.offset, &at.message);
     let file: File = toml::from_str(source).map_err(|error| {
         let offset = error.span().map(|span| span.start);
-        let line = offset.map_or("", |offset| line_at(source, offset).1.trim_start());
-        fault(At { offset, message: advice(error.message(), line) })
+        let (line, column) = offset.map_or(("", 0), |offset| {
+            let place = place_of(source, offset);
+            (place.line, place.column)
+        });
+        fault(At { offset, message: advice(error.message(), line, column) })
     })?;
     file.into_scene(origin).map_err(fault)
 }

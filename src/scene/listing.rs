@@ -16,7 +16,7 @@ pub struct Listing {
     pub solver: &'static str,
     /// How many balls it begins with.
     pub balls: usize,
-    /// The parts of the solver that run.
+    /// The parts of the solver that run; where balls fall in, after a second of that.
     pub uses: Vec<String>,
     /// What does not exist for it.
     pub leaves_out: Vec<&'static str>,

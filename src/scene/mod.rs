@@ -88,7 +88,7 @@ pub const DEFAULT_SCENE: &str = "gravity";
 /// The longest scene file, bytes: that of two million balls. The parser takes up to fifty times as much memory.
 const LONGEST_FILE: u64 = 1 << 27;
 /// What a [replay](crate::session::Replay) begins with, which is no scene.
-const REPLAY: &str = "carom replay ";
+pub(crate) const REPLAY: &str = "carom replay ";
 /// The most characters of another scene's name or path that a message quotes.
 const LONGEST_NAME: usize = 200;
 

@@ -29,7 +29,7 @@ pub(super) struct Corners([f64; 4]);
 /// A whole number from 0 up.
 pub(super) struct Count(pub(super) u64);
 
-/// A table, and nothing but a table. (What serde derives takes an array for one, too, value by value.)
+/// A table. (What serde derives takes an array for one, too, value by value.)
 pub(super) struct Table<T>(pub(super) T);
 
 /// What a table is called, with its brackets.

@@ -106,8 +106,11 @@ pub enum CommandError {
     #[error("no room for a ball here")]
     NoRoomHere,
     /// There is no ball of this index.
-    #[error("there is no ball {0}")]
+    #[error("there is no ball {0}, counted from 0")]
     NoBall(usize),
+    /// There is no ball to take away.
+    #[error("there is no ball to remove")]
+    NoBalls,
     /// The ball cannot be moved.
     #[error("this ball is fixed")]
     Fixed,

@@ -128,7 +128,8 @@ impl State {
             Change::AddRandom(count) => self.add_random(count),
             Change::AddBall { position, velocity, radius } => self.add_ball(position, velocity, radius),
             Change::RemoveLast => {
-                self.simulation.balls().len().checked_sub(1).map_or(Ok(()), |last| self.remove(last))
+                let last = self.simulation.balls().len().checked_sub(1);
+                last.map_or(Err(CommandError::NoBalls), |last| self.remove(last))
             }
             Change::Remove(index) => self.remove(index),
             Change::Carry { ball, to } => self.carry(ball, to),

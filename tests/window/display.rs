@@ -205,19 +205,23 @@ impl Window<'_> {
         Screenshot(self.display.ask("import", &["-silent", "-window", "root", "-depth", "8", "rgb:-"]))
     }
 
-    /// Waits until it leaves the processor alone: for two seconds at a stretch. What it did before may still be under way,
-    /// on a busy machine for long.
+    /// Waits until it leaves the processor alone, and checks that it goes on to do so. What it did before may still be
+    /// under way, on a busy machine for long.
     pub fn wait_idle(&mut self) {
-        self.wait("two seconds in which the processor is left alone", |window| {
+        let used = |window: &mut Self| {
             let before = window.processor_time();
             sleep(Duration::from_secs(2));
-            window.processor_time() - before <= 0.04
-        });
+            window.processor_time() - before
+        };
+        self.wait("two seconds in which the processor is left alone", |window| used(window) <= 0.04);
+        let used = used(self);
+        assert!(used <= 0.04, "{used} s of processor time in 2 s, after it was idle");
     }
 
-    /// Waits until the picture stands still, for a second at a stretch.
+    /// Waits until the picture stands still, and checks that it stays so.
     pub fn wait_still(&mut self) {
         self.wait("a picture that stands still", |window| !window.moves());
+        assert!(!self.moves(), "it moves again");
     }
 
     /// Whether the picture changes within a second.

@@ -56,7 +56,8 @@ impl fmt::Display for Refused {
         let (changes, s) = (*changes, if *changes == 1 { "" } else { "s" });
         write!(
             f,
-            "{changes} change{s} of the replay did nothing or less than asked, first after frame {frame}: {reason}"
+            "{changes} change{s} of the replay did nothing or less than asked, as when it was recorded unless the file \
+             was changed since; the first, after frame {frame}: {reason}"
         )
     }
 }
@@ -269,6 +270,11 @@ mod tests {
             assert_eq!(replay.simulation().world(), session.simulation().world());
             assert_eq!(replay.simulation().time(), session.simulation().time());
         }
+    }
+
+    #[test]
+    fn a_replay_begins_with_what_no_scene_may_begin_with() {
+        assert!(FIRST_LINE.starts_with(scene::REPLAY));
     }
 
     #[test]

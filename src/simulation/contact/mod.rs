@@ -2,8 +2,8 @@
 //!
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
-//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `holds`, `order`; of
-//!    single balls `cover`);
+//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `holds`,
+//!    `order`; of single balls `cover`);
 //! 3. balls that meet exchange momentum at their time of impact (`rounds`, `events`, `impacts`, `meeting`, `together`,
 //!    `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
