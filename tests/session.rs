@@ -159,6 +159,17 @@ fn a_comparison_begins_without_error_shows_it_growing_and_goes_back_with_time() 
 }
 
 #[test]
+fn exact_is_where_exact_says_also_from_the_middle_of_settling() {
+    let mut session = session("gravity", Solver::Exact);
+    // Balls chatter, lean and come to rest from 2.2 s on.
+    (0..150).for_each(|frame| session.advance(delta(frame)).unwrap());
+    session.apply(Command::ToggleComparison).unwrap();
+    (0..150).for_each(|frame| session.advance(delta(frame)).unwrap());
+    assert_eq!(session.truth().unwrap().balls(), session.simulation().balls());
+    assert!(session.errors().len() > 100 && session.errors().iter().all(|&(_, error)| error == 0.0));
+}
+
+#[test]
 fn a_comparison_that_cannot_follow_ends_and_leaves_the_rest_alone() {
     let mut session = session("pile", Solver::Contact);
     session.advance(0.0).unwrap();
