@@ -100,6 +100,8 @@ fn with_everything_on_a_paused_window_leaves_the_processor_alone() {
     sleep(Duration::from_millis(500));
     window.key("space");
     window.wait_title("paused");
+    // A message stands still before it fades.
+    sleep(Duration::from_secs(4));
     window.wait_idle();
 }
 
