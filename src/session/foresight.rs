@@ -14,6 +14,9 @@ const PATH: f64 = 1.0;
 const PATH_PARTS: u32 = 240;
 /// With more balls than this, only the walls and fixed balls bend a path.
 const MOST_IN_PATH: usize = 500;
+/// Balls lie deep in each other where they are nearer than this part of the distance at which they touch. Where there are
+/// more such pairs than balls, as in a world that shrank, they bend no path either: it would take long to find.
+const DEEP: f64 = 0.9;
 /// Looks at the watch in the search for a path: where balls are too crowded for it, the path ends early.
 const PATH_LOOKS: u32 = 64;
 
@@ -104,7 +107,7 @@ impl Search {
 pub(super) fn path(simulation: &Simulation, ball: Ball) -> Vec<DVec2> {
     let mut path = vec![ball.position()];
     let all = simulation.balls();
-    let mut balls = if all.len() > MOST_IN_PATH {
+    let mut balls = if all.len() > MOST_IN_PATH || is_crowd(all) {
         all.iter().filter(|other| other.is_fixed()).copied().collect()
     } else {
         all.to_vec()
@@ -125,6 +128,16 @@ pub(super) fn path(simulation: &Simulation, ball: Ball) -> Vec<DVec2> {
         }
     }
     path
+}
+
+/// Whether more pairs of balls lie deep in each other than there are balls.
+fn is_crowd(balls: &[Ball]) -> bool {
+    let is_deep = |first: &Ball, second: &Ball| {
+        let near = DEEP * (first.radius() + second.radius());
+        first.position().distance_squared(second.position()) < near * near
+    };
+    let others = |at: usize| balls[at + 1..].iter().filter(move |other| is_deep(&balls[at], other)).count();
+    (0..balls.len()).map(others).sum::<usize>() > balls.len()
 }
 
 #[cfg(test)]
@@ -193,5 +206,27 @@ mod tests {
         let right = path.iter().map(|place| place.x).fold(0.0, f64::max);
         assert!((right - 190.0).abs() < 0.5, "the wall turns it: {right}");
         assert!((path.last().unwrap().x - 130.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_path_goes_through_a_crowd_and_not_through_balls_that_have_room() {
+        let world = *boxed(1000.0).world();
+        let world = world.with_pairs(crate::simulation::Pairs::Impulse);
+        let among = |spacing: f64| {
+            let place = |at: u32| DVec2::new(f64::from(at % 4), f64::from(at / 4)) * spacing + 60.0;
+            let balls = (0..16).map(|at| Ball::new(place(at), 8.0).unwrap()).collect();
+            let thrown = Ball::new(DVec2::new(20.0, 68.0), 5.0).unwrap();
+            let thrown = thrown.with_velocity(DVec2::new(400.0, -100.0)).unwrap();
+            path(&Simulation::new(world, balls, Solver::Contact).unwrap(), thrown)
+        };
+        let alone = path(
+            &boxed(1000.0),
+            Ball::new(DVec2::new(20.0, 68.0), 5.0)
+                .and_then(|ball| ball.with_velocity(DVec2::new(400.0, -100.0)))
+                .unwrap(),
+        );
+        // Without pairs nobody is in the way.
+        assert_eq!(among(4.0), alone);
+        assert_ne!(among(17.0), alone);
     }
 }
