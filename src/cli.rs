@@ -153,10 +153,10 @@ pub struct RunArgs {
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = every, allow_negative_numbers = true, requires = "trace")]
     pub every: u64,
     /// Write the last frame as a picture
-    #[arg(long, value_name = "FILE.png", value_parser = PathBufValueParser::new().try_map(png))]
+    #[arg(long, value_name = "FILE.png", value_parser = PathBufValueParser::new().try_map(|path| ending_in(path, "png")))]
     pub image: Option<PathBuf>,
     /// Write the run as an animated GIF
-    #[arg(long, value_name = "FILE.gif", value_parser = PathBufValueParser::new().try_map(gif))]
+    #[arg(long, value_name = "FILE.gif", value_parser = PathBufValueParser::new().try_map(|path| ending_in(path, "gif")))]
     pub gif: Option<PathBuf>,
     /// Hold every frame against the laws (numbers, walls, overlap, energy, momentum, free flight); the first that
     /// breaks one ends the run, and leaves the scene of the frame before
@@ -213,14 +213,6 @@ fn parsed<T: FromStr>(text: &str, write: &str) -> Result<T, String> {
 /// The endings of pictures and films, one of which does not do for another.
 const ENDINGS: [&str; 14] =
     ["png", "gif", "apng", "avif", "bmp", "jpeg", "jpg", "mkv", "mp4", "pdf", "svg", "tif", "tiff", "webp"];
-
-fn png(path: PathBuf) -> Result<PathBuf, String> {
-    ending_in(path, "png")
-}
-
-fn gif(path: PathBuf) -> Result<PathBuf, String> {
-    ending_in(path, "gif")
-}
 
 /// A path that does not promise another kind of file than the one that will be there.
 fn ending_in(path: PathBuf, wanted: &str) -> Result<PathBuf, String> {

@@ -10,7 +10,7 @@ use super::unfinished::Unfinished;
 
 /// Why an output was not written.
 #[derive(Debug, Error)]
-#[error("{}: {source}{}", super::in_words(path), remedy(path))]
+#[error("{}: {source}{}", super::in_words(path), remedy(path, source))]
 pub struct OutputError {
     /// Where it should have gone.
     pub path: PathBuf,
@@ -27,10 +27,10 @@ impl OutputError {
 }
 
 /// What to do about an output that failed; nothing where it was standard output.
-fn remedy(path: &Path) -> &'static str {
+fn remedy(path: &Path, source: &io::Error) -> &'static str {
     if is_stdout(path) {
         ""
-    } else if !folder(path).is_dir() {
+    } else if matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) {
         "; no file was written; make the folder first, or give another"
     } else {
         "; no file was written; check that the folder may be written to and has room"

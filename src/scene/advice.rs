@@ -227,3 +227,22 @@ fn bare(text: &str) -> &str {
 fn quoted_after<'a>(said: &'a str, words: &str) -> Option<&'a str> {
     said.strip_prefix(words)?.strip_prefix('`')?.split('`').next()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    #[test]
+    fn how_each_key_of_each_table_is_written_is_known() {
+        for table in ["", "[walls]", "[pairs]", "[[ball]]", "[[fill]]", "[rain]"] {
+            let error = Scene::parse("keys.toml", &format!("{table}\nnone = 1\n")).unwrap_err().to_string();
+            let (_, keys) = error.split_once(", expected ").unwrap();
+            let keys: Vec<&str> = keys.lines().next().unwrap().split('`').skip(1).step_by(2).collect();
+            assert!(!keys.is_empty(), "{error}");
+            for key in keys {
+                assert!(Known::of(key).is_some(), "{key} of {table}");
+            }
+        }
+    }
+}

@@ -89,8 +89,8 @@ pub const DEFAULT_SCENE: &str = "gravity";
 const LONGEST_FILE: u64 = 1 << 27;
 /// What a [replay](crate::session::Replay) begins with, which is no scene.
 pub(crate) const REPLAY: &str = "carom replay ";
-/// The most characters of another scene's name or path that a message quotes.
-const LONGEST_NAME: usize = 200;
+/// The most characters of a scene's name, which may be a path, that a message quotes.
+pub(crate) const LONGEST_NAME: usize = 200;
 
 /// A scene: a world, balls, random fills, and the solver that suits them.
 ///

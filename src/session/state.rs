@@ -232,12 +232,11 @@ impl State {
 
     /// Gives a ball the velocity that brings it to where the hand is.
     fn carry(&mut self, ball: usize, to: DVec2) -> Result<(), CommandError> {
-        self.ball(ball)?;
+        if self.ball(ball)?.is_fixed() {
+            return Err(CommandError::Fixed);
+        }
         for simulation in self.simulations() {
             let Some(carried) = simulation.balls().get(ball) else { continue };
-            if carried.is_fixed() {
-                return Err(CommandError::Fixed);
-            }
             let velocity = (to - carried.position()) / CARRY_TIME;
             let velocity = velocity.clamp(DVec2::splat(VELOCITY.low), DVec2::splat(VELOCITY.high));
             simulation.set_velocity(ball, velocity)?;

@@ -168,7 +168,7 @@ impl Replay {
     /// The number of frames.
     #[must_use]
     pub fn frames(&self) -> u64 {
-        self.entries.iter().filter(|entry| matches!(entry, Entry::Frame(_))).count() as u64
+        frames(&self.entries)
     }
 
     /// What was refused so far, if anything was: as it was when it was recorded, unless the file has been changed since.
@@ -199,11 +199,15 @@ impl Replay {
 
     /// Notes that the entry before the next one was refused.
     fn note(&mut self, error: &CommandError) {
-        let frames =
-            || self.entries[..self.at].iter().filter(|entry| matches!(entry, Entry::Frame(_))).count();
-        let first = || Refused { changes: 0, frame: frames() as u64, reason: error.to_string() };
+        let before = &self.entries[..self.at];
+        let first = || Refused { changes: 0, frame: frames(before), reason: error.to_string() };
         self.refused.get_or_insert_with(first).changes += 1;
     }
+}
+
+/// How many of these are frames.
+fn frames(entries: &[Entry]) -> u64 {
+    entries.iter().filter(|entry| matches!(entry, Entry::Frame(_))).count() as u64
 }
 
 impl fmt::Display for Replay {

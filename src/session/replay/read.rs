@@ -6,7 +6,7 @@ use std::str::{FromStr, SplitWhitespace};
 
 use glam::DVec2;
 
-use crate::scene::{Scene, shown};
+use crate::scene::{LONGEST_NAME, Scene, shown};
 use crate::session::command::Change;
 use crate::session::tape::{Entry, Frame};
 use crate::simulation::limits::DELTA;
@@ -44,8 +44,6 @@ pub(super) fn read(text: &str, scene: &Scene) -> Result<Read, (usize, String)> {
 
 /// The most characters of a word that a message quotes.
 const LONGEST_WORD: usize = 60;
-/// The same of a scene's name, which may be a path.
-const LONGEST_NAME: usize = 200;
 
 /// A word of a replay, as a message may quote it.
 fn quoted(word: &str) -> String {
