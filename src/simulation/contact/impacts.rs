@@ -125,26 +125,48 @@ impl Stage<'_> {
         let start = stripes.layout.start(number);
         let stripe = &mut stripes.list[number];
         let mut nearing = std::mem::take(&mut stripe.nearing);
-        self.find_nearing(&self.bodies[start.min(self.bodies.len())..], stripe, &mut nearing);
+        self.find_nearing(start, stripe, &mut nearing);
         for &at in &nearing {
             self.foresee_meeting(Spot { stripe: number as u32, at }, stripe, start);
         }
         stripe.nearing = nearing;
     }
 
-    /// Looks at all pairs of a stripe, and gathers the places of those that may meet: most do not, and which do cannot
-    /// be foreseen by a processor, so there is no branch.
-    fn find_nearing(&self, bodies: &[Body], stripe: &mut Stripe, nearing: &mut Vec<u32>) {
-        nearing.resize(stripe.pairs.len(), 0);
+    /// Looks at the pairs of a stripe that begins with this body, and gathers the places of those that may meet: most do
+    /// not, and which do cannot be foreseen by a processor, so there is no branch.
+    fn find_nearing(&self, start: usize, stripe: &mut Stripe, nearing: &mut Vec<u32>) {
+        self.leave_pressing(start, stripe, nearing);
+        let bodies = &self.bodies[start.min(self.bodies.len())..];
         let mut found = 0;
-        for ((at, pair), close) in (0..).zip(&stripe.pairs).zip(&mut stripe.close) {
+        for place in 0..nearing.len() {
+            let at = nearing[place];
+            let pair = stripe.pairs[at as usize];
             let approach =
                 Approach::of(self.setting, &bodies[pair.first as usize], &bodies[pair.second as usize]);
-            *close = approach.closes_in;
+            stripe.close[at as usize] = approach.closes_in;
             nearing[found] = at;
             found += usize::from(approach.may_meet);
         }
         nearing.truncate(found);
+    }
+
+    /// Gathers the places of all pairs but those that only press on each other, or sleep: in a pile that is nearly all.
+    /// They are held apart whether they are close or not.
+    fn leave_pressing(&self, start: usize, stripe: &Stripe, places: &mut Vec<u32>) {
+        let Stripe { pairs, held, idle, .. } = stripe;
+        places.clear();
+        places.extend(0..pairs.len() as u32);
+        if held.is_empty() {
+            return;
+        }
+        let fates = &self.fates[start.min(self.fates.len())..];
+        let mut left = 0;
+        for (at, ((pair, &held), &idle)) in (0..).zip(pairs.iter().zip(held).zip(idle)) {
+            let presses = held & fates[pair.first as usize].slow & fates[pair.second as usize].slow;
+            places[left] = at;
+            left += usize::from(!(presses | idle));
+        }
+        places.truncate(left);
     }
 
     /// Foresees the impacts of a body that was hit. Its pairs must be linked.

@@ -8,6 +8,7 @@ use super::events::Event;
 use super::holds::{Beside, Given, Hold, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Heights, Links};
+use super::support::Floor;
 use super::{Body, DVec2};
 
 /// The place of a ball that is not beside a wall.
@@ -38,6 +39,8 @@ pub(super) struct Stripe {
     places_beside: Vec<u32>,
     /// The pairs that are held apart in a substep, in the order in which they were looked at.
     pub(super) touching: Vec<u32>,
+    /// What carries the ball that is looked at.
+    pub(super) floors: Vec<Floor>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
     pub(super) disturbed: Vec<(u32, f64)>,
     /// Places of pairs that may meet in a substep.

@@ -180,10 +180,12 @@ impl Stripe {
             live[at] = near;
             let holds = near && (hold.met || hold.impulse > 0.0);
             if held[at] || holds {
-                let sleepers =
-                    [pair.first, pair.second].into_iter().filter(|&body| rests[body as usize].asleep);
-                let lost = if holds { 0.0 } else { carried };
-                disturbed.extend(sleepers.map(|body| (body, lost)));
+                for body in [pair.first, pair.second] {
+                    // What sleeps is seen at the body, which is at hand.
+                    if bodies[body as usize].inverse_mass == 0.0 && rests[body as usize].asleep {
+                        disturbed.push((body, if holds { 0.0 } else { carried }));
+                    }
+                }
             }
             held[at] = holds;
             hold.met = false;
@@ -192,15 +194,21 @@ impl Stripe {
     }
 
     /// Stops what still sinks, from the ground up.
-    fn carry_all(&self, bodies: &mut [Body]) {
-        let Self { pairs, holds, touching, .. } = self;
+    fn carry_all(&mut self, bodies: &mut [Body]) {
+        let Self { pairs, holds, touching, floors, .. } = self;
         let mut rest = &touching[..];
         while let Some(&at) = rest.first() {
             let upper = pairs[at as usize].first;
-            let count = rest.iter().take_while(|&&at| pairs[at as usize].first == upper).count();
-            let (run, others) = rest.split_at(count);
-            rest = others;
-            carry(bodies, pairs, holds, run);
+            floors.clear();
+            for &at in rest {
+                let pair = pairs[at as usize];
+                if pair.first != upper {
+                    break;
+                }
+                floors.push(Floor::of(&holds[at as usize], &bodies[pair.second as usize]));
+            }
+            rest = &rest[floors.len()..];
+            carry(&mut bodies[upper as usize], floors);
         }
     }
 
@@ -218,32 +226,43 @@ impl Stripe {
     }
 }
 
+/// What carries a ball: how fast it goes down there, at most.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Floor {
+    up: DVec2,
+    /// px/s along `up`, never more than 0.
+    least: f64,
+}
+
+impl Floor {
+    #[inline]
+    fn of(hold: &Hold, lower: &Body) -> Self {
+        let up = hold.normal;
+        Self { up, least: (lower.velocity.dot(up) + hold.least.min(0.0)).min(0.0) }
+    }
+}
+
 /// Stops what still sinks on what carries it, as if that were as firm as the ground (shock propagation; Guendelman,
-/// Bridson & Fedkiw 2003). It only ever slows a ball down. `run` are the pairs of one upper ball.
+/// Bridson & Fedkiw 2003). It only ever slows a ball down.
 #[inline]
-fn carry(bodies: &mut [Body], pairs: &[Pair], holds: &[Hold], run: &[u32]) {
-    let upper = pairs[run[0] as usize].first as usize;
-    if bodies[upper].inverse_mass == 0.0 {
+fn carry(body: &mut Body, floors: &[Floor]) {
+    if body.inverse_mass == 0.0 {
         return;
     }
-    let mut velocity = bodies[upper].velocity;
+    let mut velocity = body.velocity;
     // Nothing undoes what a single pair did.
-    for _ in 0..if run.len() == 1 { 1 } else { INNER } {
+    for _ in 0..if floors.len() == 1 { 1 } else { INNER } {
         let before = velocity;
-        for &at in run {
-            let lower = &bodies[pairs[at as usize].second as usize];
-            let hold = &holds[at as usize];
-            let up = hold.normal;
-            let most = (lower.velocity.dot(up) + hold.least.min(0.0)).min(0.0) - velocity.dot(up);
+        for floor in floors {
+            let most = floor.least - velocity.dot(floor.up);
             if most > 0.0 {
-                velocity += up * most;
+                velocity += floor.up * most;
             }
         }
         if velocity == before {
             break;
         }
     }
-    let body = &mut bodies[upper];
     body.free += velocity - body.velocity;
     body.velocity = velocity;
 }
