@@ -19,11 +19,8 @@ impl Exact {
     pub(in crate::simulation) fn new(world: &World, balls: &[Ball], rest_speed: f64) -> Self {
         let gravity = world.gravity.unwrap_or_default();
         let strength = gravity.length();
-        let smallest = balls
-            .iter()
-            .filter(|ball| !ball.is_fixed())
-            .fold(f64::INFINITY, |low, ball| low.min(ball.radius));
-        let rest_speed = counted_rest_speed(rest_speed, gravity, smallest);
+        let smallest = smallest_radius(balls);
+        let rest_speed = counted_rest_speed(rest_speed, gravity, balls);
         let mut exact = Self {
             gravity,
             pulls: pulls(gravity),
@@ -150,12 +147,18 @@ fn pulls(gravity: DVec2) -> [DVec2; 4] {
 /// that hops last as long, and are as many in a second. But hops that are left out are never to be seen: where gravity
 /// is weak, or balls are tiny, it is lowered until they rise by no more than a hundredth of the smallest radius of a
 /// ball that moves.
-fn counted_rest_speed(asked: f64, gravity: DVec2, smallest: f64) -> f64 {
+pub(in crate::simulation) fn counted_rest_speed(asked: f64, gravity: DVec2, balls: &[Ball]) -> f64 {
     if gravity == DVec2::ZERO {
         return asked;
     }
     let strength = gravity.length();
-    (asked * (strength / impacts::EARTH).max(1.0)).min((2.0 * strength * 0.01 * smallest).sqrt())
+    let unseen = (2.0 * strength * 0.01 * smallest_radius(balls)).sqrt();
+    (asked * (strength / impacts::EARTH).max(1.0)).min(unseen)
+}
+
+/// The smallest radius of a ball that moves, px; infinite where none does.
+fn smallest_radius(balls: &[Ball]) -> f64 {
+    balls.iter().filter(|ball| !ball.is_fixed()).fold(f64::INFINITY, |low, ball| low.min(ball.radius))
 }
 
 /// The length of the first year, s: about the time between two impacts of a ball.

@@ -30,6 +30,7 @@ use glam::DVec2;
 use super::clock::{Clock, INSTANT};
 use super::world::World;
 use super::{Advance, Frame, Part, Tally};
+pub(super) use begin::counted_rest_speed;
 use calendar::{Calendar, Dawn, Entry};
 use cells::Cells;
 use flights::{Flight, Marks, Matter, Target};

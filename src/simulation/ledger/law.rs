@@ -15,7 +15,8 @@ pub enum Law {
     Overlap,
     /// Energy, mass·px²/s², does not rise, but for what solvers add under gravity, for all balls together (of mass M):
     /// - `canvas`, in each frame, what its step lifts a ball by where gravity took it into a wall;
-    /// - `exact`, ½Mu² for hops at the rest speed u;
+    /// - `exact`, ½Mu² for hops at the rest speed u, as it counts under this gravity
+    ///   ([`with_rest_speed`](crate::Simulation::with_rest_speed));
     /// - `contact`, [`CONTACT_LIFT`](super::CONTACT_LIFT) of the most that was there, for overlaps that are taken back,
     ///   and what a speed of two substeps' gravity has.
     ///

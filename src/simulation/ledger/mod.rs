@@ -11,6 +11,7 @@ mod measures;
 use glam::DVec2;
 
 use super::ball::Ball;
+use super::exact::counted_rest_speed;
 use super::grid::Grid;
 use super::invariants::{self, beyond_edges, free, is_finite, momentum};
 use super::world::Pairs;
@@ -168,8 +169,8 @@ impl Ledger {
                     self.before.energy + self.lifted(gravity, simulation.time())
                 }
                 (Solver::Exact | Solver::Contact, None) => base.least_energy,
-                (Solver::Exact, Some(_)) => {
-                    let hop = simulation.tuning.rest_speed;
+                (Solver::Exact, Some(gravity)) => {
+                    let hop = counted_rest_speed(simulation.tuning.rest_speed, gravity, balls);
                     base.least_energy + 0.5 * base.mass * hop * hop
                 }
                 (Solver::Contact, Some(_)) if self.is_beyond_contact(simulation) => f64::INFINITY,
