@@ -39,7 +39,7 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
     (
         "window",
         &["simulation", "scene", "session", "paint", "headless"],
-        &["glam", "pixels", "rustix", "tempfile", "thiserror", "tiny_skia", "winit", "xkbcommon_dl"],
+        &["glam", "pixels", "png", "rustix", "tempfile", "thiserror", "tiny_skia", "winit", "xkbcommon_dl"],
     ),
 ];
 
