@@ -156,7 +156,8 @@ impl Cells {
         let Level { shift, columns, rows, .. } = self.levels[if N::ALIKE { 0 } else { self.level(ball) }];
         let (at, count) = if border.axis == 0 { (place.column, columns) } else { (place.row, rows) };
         let number = usize::from(at) + usize::from(border.up);
-        ((number << shift) as f64 * self.width[border.axis], number == 0 || number == count)
+        // Counted in the finest cells: few enough for a conversion of one instruction.
+        (f64::from((number << shift) as u32) * self.width[border.axis], number == 0 || number == count)
     }
 
     /// Moves a ball over a border of its cell; the cell that it is in then.

@@ -1,6 +1,8 @@
 //! What comes next for a ball: the earliest of its impacts on walls and other balls, and of the borders that it
 //! crosses.
 
+use glam::DVec2;
+
 use crate::simulation::flight::{self, NEVER, Pair};
 
 use super::calendar::Entry;
@@ -226,7 +228,18 @@ impl Exact {
     /// Two balls as the first sees the other now.
     #[inline]
     fn pair<N: Needs>(&self, slot: usize, other: usize, now: f64) -> Pair {
-        let (position, velocity) = self.state::<N>(slot, now);
+        self.pair_seen_from::<N>(slot, self.state::<N>(slot, now), other, now)
+    }
+
+    /// The same where the first one's position and velocity are known.
+    #[inline]
+    fn pair_seen_from<N: Needs>(
+        &self,
+        slot: usize,
+        (position, velocity): (DVec2, DVec2),
+        other: usize,
+        now: f64,
+    ) -> Pair {
         let (their_position, their_velocity) = self.state::<N>(other, now);
         let (slow, dull) = if self.wedged() { (0.0, self.rest_speed) } else { (self.rest_speed, 0.0) };
         Pair {
@@ -237,6 +250,12 @@ impl Exact {
             slow,
             dull,
         }
+    }
+
+    /// When two balls meet that touch, or nearly do. They are looked at anew: that keeps all others in registers.
+    #[cold]
+    fn meet_at_hand<N: Needs>(&self, slot: usize, other: usize, now: f64) -> f64 {
+        self.pair::<N>(slot, other, now).meet()
     }
 
     /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
@@ -251,7 +270,8 @@ impl Exact {
     ) {
         let Some(cells) = &self.cells else { return };
         let flight = &self.flights[slot];
-        let pair = |other: usize| self.pair::<N>(slot, other, now);
+        let own = self.state::<N>(slot, now);
+        let pair = |other: usize| self.pair_seen_from::<N>(slot, own, other, now);
         let inside = |other: usize| N::DETECT && self.overlap(slot, other);
         let mut first = First { time: flight.impact, partner: END, touches: false };
         let mut accelerated = Postponed::default();
@@ -287,7 +307,7 @@ impl Exact {
                     pair.part()
                 } else if pair.are_within(AT_HAND) {
                     first.touches = true;
-                    pair.meet()
+                    self.meet_at_hand::<N>(slot, other, now)
                 } else {
                     pair.meet_from_afar()
                 };
@@ -329,7 +349,7 @@ impl First {
     #[inline]
     fn or(&mut self, time: f64, partner: usize, impact: f64) {
         // Again a toss.
-        let earlier = time < self.time.min(impact);
+        let earlier = (time < self.time) & (time < impact);
         self.time = if earlier { time } else { self.time };
         self.partner = if earlier { partner as u32 } else { self.partner };
     }
