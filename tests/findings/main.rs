@@ -1,5 +1,6 @@
 //! What once broke it, a file each: the input that did, and what is right.
 
+mod a_moment_after_a_substep;
 mod accounts_within_a_substep;
 mod deep_tables;
 mod hours_of_rain;

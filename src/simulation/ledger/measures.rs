@@ -16,22 +16,17 @@ pub(super) const TOUCH: f64 = 1e-6;
 pub(super) const EPSILON: f64 = 8.0 * f64::EPSILON;
 /// Times are known to this, s, whatever their size: twice the time at multiples of which frames are shown.
 const INSTANT: f64 = 2.0 * clock::INSTANT;
-/// A time so near to the end of a substep, as a part of one, is that end.
-const WHOLE: f64 = 1e-7;
 
 /// Whether the state is one that the solver has computed: `contact` only shows what lies between two of its substeps.
 pub(super) fn is_whole(simulation: &Simulation) -> bool {
-    let steps = simulation.time() * f64::from(substeps(simulation));
-    simulation.solver != Solver::Contact || (steps - steps.round()).abs() <= WHOLE
+    let (time, rate) = (simulation.time(), f64::from(substeps(simulation)));
+    let off = time - (time * rate).round() / rate;
+    simulation.solver != Solver::Contact || off.abs() <= instant(simulation)
 }
 
 /// What times are known to, s.
 pub(super) fn instant(simulation: &Simulation) -> f64 {
-    let shown = match simulation.solver {
-        Solver::Canvas | Solver::Exact => INSTANT,
-        Solver::Contact => INSTANT + WHOLE / f64::from(substeps(simulation)),
-    };
-    shown + EPSILON * simulation.time()
+    INSTANT + EPSILON * simulation.time()
 }
 
 /// The substeps of `contact` in a second: those that it was told, or the fewest that it chooses. It may choose a
@@ -93,4 +88,25 @@ pub(super) fn energy_scale(world: &World, balls: &[Ball]) -> f64 {
 /// The sum of the balls' momenta, each without its direction: what rounding is a part of.
 pub(super) fn momentum_scale(balls: &[Ball]) -> f64 {
     free(balls).map(|ball| ball.mass * ball.velocity.length()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_of_whole_substeps_are_states_that_were_computed_for_an_hour() {
+        let world = World::new(DVec2::splat(100.0)).unwrap();
+        for frames in [24.0, 60.0, 240.0] {
+            let mut still =
+                Simulation::new(world, vec![Ball::new(DVec2::splat(50.0), 1.0).unwrap()], Solver::Contact)
+                    .unwrap();
+            for _ in 0..3600 * frames as u32 {
+                still.advance(1.0 / frames).unwrap();
+                assert!(is_whole(&still), "{frames}: {} s", still.time());
+            }
+            still.advance(1e-10).unwrap();
+            assert!(!is_whole(&still));
+        }
+    }
 }
