@@ -347,8 +347,8 @@ struct First {
 impl First {
     /// Takes a meeting instead where it is earlier, and earlier than the partner's next impact.
     #[inline]
+    #[expect(clippy::needless_bitwise_bool, reason = "again a toss, for which there is no branch")]
     fn or(&mut self, time: f64, partner: usize, impact: f64) {
-        // Again a toss.
         let earlier = (time < self.time) & (time < impact);
         self.time = if earlier { time } else { self.time };
         self.partner = if earlier { partner as u32 } else { self.partner };
