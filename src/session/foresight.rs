@@ -212,19 +212,14 @@ mod tests {
     fn a_path_goes_through_a_crowd_and_not_through_balls_that_have_room() {
         let world = *boxed(1000.0).world();
         let world = world.with_pairs(crate::simulation::Pairs::Impulse);
+        let thrown = Ball::new(DVec2::new(20.0, 68.0), 5.0).unwrap();
+        let thrown = thrown.with_velocity(DVec2::new(400.0, -100.0)).unwrap();
         let among = |spacing: f64| {
             let place = |at: u32| DVec2::new(f64::from(at % 4), f64::from(at / 4)) * spacing + 60.0;
             let balls = (0..16).map(|at| Ball::new(place(at), 8.0).unwrap()).collect();
-            let thrown = Ball::new(DVec2::new(20.0, 68.0), 5.0).unwrap();
-            let thrown = thrown.with_velocity(DVec2::new(400.0, -100.0)).unwrap();
             path(&Simulation::new(world, balls, Solver::Contact).unwrap(), thrown)
         };
-        let alone = path(
-            &boxed(1000.0),
-            Ball::new(DVec2::new(20.0, 68.0), 5.0)
-                .and_then(|ball| ball.with_velocity(DVec2::new(400.0, -100.0)))
-                .unwrap(),
-        );
+        let alone = path(&boxed(1000.0), thrown);
         // Without pairs nobody is in the way.
         assert_eq!(among(4.0), alone);
         assert_ne!(among(17.0), alone);

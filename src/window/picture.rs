@@ -19,8 +19,8 @@ pub(super) fn save(scene: &str, pixmap: PixmapRef<'_>) -> Result<PathBuf, SaveEr
 fn encode(pixmap: PixmapRef<'_>) -> Result<Vec<u8>, EncodingError> {
     let mut samples = Vec::with_capacity(pixmap.data().len());
     for pixel in pixmap.pixels() {
-        let color = pixel.demultiply();
-        samples.extend_from_slice(&[color.red(), color.green(), color.blue(), color.alpha()]);
+        let colour = pixel.demultiply();
+        samples.extend_from_slice(&[colour.red(), colour.green(), colour.blue(), colour.alpha()]);
     }
     let mut file = Vec::new();
     let mut encoder = Encoder::new(&mut file, pixmap.width(), pixmap.height());

@@ -155,10 +155,11 @@ impl Stage<'_> {
     fn leave_pressing(&self, start: usize, stripe: &Stripe, places: &mut Vec<u32>) {
         let Stripe { pairs, held, idle, .. } = stripe;
         places.clear();
-        places.extend(0..pairs.len() as u32);
         if held.is_empty() {
+            places.extend(0..pairs.len() as u32);
             return;
         }
+        places.resize(pairs.len(), 0);
         let fates = &self.fates[start.min(self.fates.len())..];
         let mut left = 0;
         for (at, ((pair, &held), &idle)) in (0..).zip(pairs.iter().zip(held).zip(idle)) {

@@ -5,6 +5,7 @@ use glam::DVec2;
 use crate::simulation::ball::Ball;
 use crate::simulation::clock::Clock;
 use crate::simulation::grid::Grid;
+use crate::simulation::invariants::free;
 use crate::simulation::world::{Pairs, World};
 
 use super::calendar::Calendar;
@@ -158,7 +159,7 @@ pub(in crate::simulation) fn counted_rest_speed(asked: f64, gravity: DVec2, ball
 
 /// The smallest radius of a ball that moves, px; infinite where none does.
 fn smallest_radius(balls: &[Ball]) -> f64 {
-    balls.iter().filter(|ball| !ball.is_fixed()).fold(f64::INFINITY, |low, ball| low.min(ball.radius))
+    free(balls).fold(f64::INFINITY, |low, ball| low.min(ball.radius))
 }
 
 /// The length of the first year, s: about the time between two impacts of a ball.
