@@ -3,14 +3,16 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// The times of each frame's four parts, and of the program's own share of each turn.
+/// The times of each frame's four parts, of the program's own share of each turn, and what the longest turn went on.
 #[derive(Debug, Default)]
 pub(super) struct Timings {
     parts: [Spread; 4],
     own: Spread,
     processor: Spread,
-    /// The processor time of the window's thread when the turn began, where it can be had.
-    began: Option<Duration>,
+    /// What the turn under way has spent processor time on, where that can be had.
+    spending: Spending,
+    /// What the turn that took most of it spent it on, and what was shown.
+    longest: (Spending, String),
 }
 
 /// The names of a frame's parts.
@@ -26,16 +28,26 @@ impl Timings {
 
     /// Begins a turn of the event loop.
     pub(super) fn begin_turn(&mut self) {
-        self.began = processor_time();
+        self.spending = Spending { parts: Vec::new(), until: processor_time() };
+    }
+
+    /// Tells what the processor time since the last time that this was told went on.
+    pub(super) fn spent(&mut self, on: &'static str) {
+        self.spending.add(on, processor_time());
     }
 
     /// Adds a turn of the event loop: all that the program did from when it woke until it slept, without what the
     /// graphics library took; and the processor time of the window's thread, which a machine that does other things
-    /// does not lengthen, with what the graphics library took of it.
-    pub(super) fn add_turn(&mut self, own: Duration) {
+    /// does not lengthen, with what the graphics library took of it. `shown` tells what the window shows.
+    pub(super) fn add_turn(&mut self, own: Duration, shown: impl FnOnce() -> String) {
         self.own.add(own);
-        if let Some((before, now)) = self.began.zip(processor_time()) {
-            self.processor.add(now.saturating_sub(before));
+        self.spent("the rest");
+        if self.spending.until.is_some() {
+            let turn = std::mem::take(&mut self.spending);
+            self.processor.add(turn.sum());
+            if turn.sum() > self.longest.0.sum() {
+                self.longest = (turn, shown());
+            }
         }
     }
 }
@@ -47,8 +59,51 @@ impl fmt::Display for Timings {
         let turns = [(&"own", &self.own), (&"processor", &self.processor)];
         for (name, spread) in parts.chain(turns).filter(|(_, spread)| spread.count() > 0) {
             let [median, most, longest] =
-                [spread.share(0.5), spread.share(0.99), spread.longest].map(|time| time.as_secs_f64() * 1e3);
+                [spread.share(0.5), spread.share(0.99), spread.longest].map(milliseconds);
             write!(f, "\n{name:<9} median {median:.4}, 99 % under {most:.4}, longest {longest:.4}")?;
+        }
+        let (spending, shown) = &self.longest;
+        if !spending.parts.is_empty() {
+            write!(f, "\nlongest turn, {shown}: {spending}")?;
+        }
+        Ok(())
+    }
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+/// What the processor time of a turn went on.
+#[derive(Debug, Default)]
+struct Spending {
+    parts: Vec<(&'static str, Duration)>,
+    /// Up to when, in the thread's processor time, it is told.
+    until: Option<Duration>,
+}
+
+impl Spending {
+    /// Adds what went on since the last time until `now` to what went on the same before.
+    fn add(&mut self, on: &'static str, now: Option<Duration>) {
+        let Some((before, now)) = self.until.zip(now) else { return };
+        let spent = now.saturating_sub(before);
+        self.until = Some(now);
+        match self.parts.iter_mut().find(|(name, _)| *name == on) {
+            Some((_, sum)) => *sum += spent,
+            None => self.parts.push((on, spent)),
+        }
+    }
+
+    fn sum(&self) -> Duration {
+        self.parts.iter().map(|(_, time)| time).sum()
+    }
+}
+
+impl fmt::Display for Spending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (name, time)) in self.parts.iter().enumerate() {
+            let comma = if index == 0 { "" } else { ", " };
+            write!(f, "{comma}{name} {:.1}", milliseconds(*time))?;
         }
         Ok(())
     }
@@ -159,6 +214,17 @@ mod tests {
             spread.add(time);
         }
         assert_eq!((spread.count(), spread.longest.as_secs()), (2, 86_400));
+    }
+
+    #[test]
+    fn what_a_turn_spent_its_time_on_adds_up_to_all_of_it() {
+        let at = |milliseconds| Some(Duration::from_millis(milliseconds));
+        let mut spending = Spending { parts: Vec::new(), until: at(100) };
+        for (on, now) in [("events", 103), ("advance", 128), ("events", 130), ("paint", 190)] {
+            spending.add(on, at(now));
+        }
+        assert_eq!(spending.sum(), Duration::from_millis(90));
+        assert_eq!(spending.to_string(), "events 5.0, advance 25.0, paint 60.0");
     }
 
     #[test]

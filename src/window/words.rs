@@ -6,9 +6,8 @@ use crate::session::{Change, Command, Session, Working};
 
 /// Scene, solver, balls, and how time runs.
 pub(super) fn title(session: &Session, frames_per_second: Option<f64>) -> String {
-    let (simulation, scale) = (session.simulation(), session.time_scale());
-    let count = simulation.balls().len();
-    let mut title = format!("carom – {} · {} · {}", session.name(), simulation.solver(), balls(count));
+    let scale = session.time_scale();
+    let mut title = format!("carom – {}", shown(session));
     if scale != 1.0 {
         title += &format!(" · {}", speed(scale));
     }
@@ -18,6 +17,13 @@ pub(super) fn title(session: &Session, frames_per_second: Option<f64>) -> String
         None => {}
     }
     title
+}
+
+/// Scene, solver and balls.
+pub(super) fn shown(session: &Session) -> String {
+    let simulation = session.simulation();
+    let count = simulation.balls().len();
+    format!("{} · {} · {}", session.name(), simulation.solver(), balls(count))
 }
 
 /// What a command that succeeded did, where that is not plain to see.

@@ -54,11 +54,14 @@ impl App {
             screen.resize(size)?;
             self.turn.without(start.elapsed());
         }
+        self.spent("events");
         let start = Instant::now();
         let measured = self.advance(start, world_size(size, scale))?;
         let advanced = Instant::now();
+        self.spent("advance");
         let changed = self.paint(scale, measured, start) || self.unseen;
         let painted = Instant::now();
+        self.spent("paint");
         let Some((window, screen)) = &mut self.screen else { return Ok(()) };
         if window.inner_size() != size {
             // This picture is the wrong size already; the next will not be.
@@ -76,6 +79,7 @@ impl App {
         }
         self.unseen = false;
         let presented = screen.present()?;
+        self.spent("present");
         self.turn.without(presented.upload + presented.present);
         if let Some(wait) = presented.again {
             self.retry = Some(Instant::now() + wait);

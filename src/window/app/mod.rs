@@ -156,6 +156,7 @@ impl ApplicationHandler for App {
             }
             _ => {}
         }
+        self.spent("events");
     }
 
     /// Sleeps until something happens, until something that is said or shown goes by itself, or until it is time for a
@@ -186,6 +187,7 @@ impl ApplicationHandler for App {
             self.fail(event_loop, error);
         }
         self.catch_up();
+        self.spent("what waited");
         let file = self.watch.as_ref().map(Watch::next_poll);
         let wakes = [
             self.overlay_changes,
@@ -203,7 +205,10 @@ impl ApplicationHandler for App {
             None => ControlFlow::Wait,
         });
         if let Some(timings) = &mut self.timings {
-            timings.add_turn(self.turn.own(Instant::now()));
+            timings.add_turn(self.turn.own(Instant::now()), || {
+                let size = self.session.simulation().world().size().round();
+                format!("{} · {}×{} px", words::shown(&self.session), size.x, size.y)
+            });
         }
     }
 }
@@ -264,6 +269,13 @@ impl App {
             Some(Err(error)) => self.complain(format!("no recording saved: {error}")),
         }
         (self.timings, self.failure)
+    }
+
+    /// For the timings: what the processor time since they were told last went on.
+    fn spent(&mut self, on: &'static str) {
+        if let Some(timings) = &mut self.timings {
+            timings.spent(on);
+        }
     }
 
     fn fail(&mut self, event_loop: &ActiveEventLoop, error: WindowError) {

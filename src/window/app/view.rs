@@ -19,6 +19,7 @@ impl App {
         let size = screen.size();
         let room = Room { picture: DVec2::new(size.width.into(), size.height.into()), scale };
         let overlay = (self.overlay(room, measured, now), scale);
+        self.spent("overlay");
         let same = self.overlay == overlay;
         self.overlay = overlay;
         let Some((_, screen)) = &mut self.screen else { return false };
