@@ -99,7 +99,7 @@ impl Exact {
     /// one place takes long, and may be gone on with later.
     pub(super) fn begin<N: Needs>(&mut self, balls: &[Ball], go_on: &mut dyn FnMut() -> bool) -> bool {
         if self.begun == 0 {
-            self.place_all(balls);
+            self.place_all::<N>(balls);
         }
         while self.begun < self.flights.len() {
             if !self.has_time(go_on) {
@@ -112,12 +112,12 @@ impl Exact {
     }
 
     /// Puts all balls into their cells, and finds out which overlap from the beginning.
-    fn place_all(&mut self, balls: &[Ball]) {
+    fn place_all<N: Needs>(&mut self, balls: &[Ball]) {
         self.calendar.begin(self.span);
         if let Some(cells) = &mut self.cells {
             for (slot, flight) in self.flights.iter_mut().enumerate() {
                 flight.place = cells.place(slot, flight.position);
-                cells.put(slot, flight.place);
+                cells.put::<N>(slot, flight.place);
             }
         }
         if let Some(overlaps) = &mut self.overlaps {

@@ -48,7 +48,7 @@ pub(super) struct Calendar {
     day: f64,
     days_per_second: f64,
     /// The year's days, and one for all that is beyond it.
-    days: Vec<Vec<Entry>>,
+    days: Vec<Day>,
     /// How many days have been opened.
     opened: usize,
     /// How many events have been written down this year, and how many are too many.
@@ -58,6 +58,38 @@ pub(super) struct Calendar {
     today: Vec<Entry>,
     /// Those that were written into it after it was opened, and had too many before them.
     late: BinaryHeap<Reverse<Entry>>,
+}
+
+/// What was written down for a day, in any order.
+#[derive(Debug, Clone, Default)]
+struct Day {
+    /// Room for entries; what stands in it behind the last means nothing.
+    room: Vec<Entry>,
+    count: usize,
+}
+
+impl Day {
+    #[inline]
+    fn push(&mut self, entry: Entry) {
+        match self.room.get_mut(self.count) {
+            Some(place) => {
+                *place = entry;
+                self.count += 1;
+            }
+            None => self.push_with_room(entry),
+        }
+    }
+
+    /// Out of the way of what is written down nearly always.
+    #[cold]
+    #[inline(never)]
+    fn push_with_room(&mut self, entry: Entry) {
+        // By a quarter, not to the double: days stay full, and all of them have the same number to hold.
+        let more = self.count / 4 + 4;
+        self.room.reserve_exact(more);
+        self.room.resize(self.count + more, entry);
+        self.count += 1;
+    }
 }
 
 /// Events of a ball to be written down in a year, at most. A year of one impact a ball has three or four.
@@ -80,7 +112,7 @@ impl Calendar {
             span: 0.0,
             day: 0.0,
             days_per_second: 0.0,
-            days: vec![Vec::new(); days(balls) + 1],
+            days: vec![Day::default(); days(balls) + 1],
             opened: 0,
             written: 0,
             most: MOST_WRITTEN * balls.max(FEWEST),
@@ -99,7 +131,7 @@ impl Calendar {
         self.span = span;
         self.day = span / self.beyond() as f64;
         self.days_per_second = 1.0 / self.day;
-        self.days.iter_mut().for_each(Vec::clear);
+        self.days.iter_mut().for_each(|day| day.count = 0);
         self.opened = 0;
         self.written = 0;
         self.today.clear();
@@ -118,13 +150,8 @@ impl Calendar {
         if day < self.opened {
             return self.write_today(entry);
         }
-        let entries = &mut self.days[day];
-        if entries.len() == entries.capacity() {
-            // By a quarter, not to the double: days stay full, and all of them have the same number to hold.
-            entries.reserve_exact(entries.len() / 4 + 4);
-        }
-        entries.push(entry);
-        self.days[beyond].clear();
+        self.days[day].push(entry);
+        self.days[beyond].count = 0;
     }
 
     /// Writes an event of the open day down: mostly it comes soon, so that few others are before it.
@@ -167,7 +194,9 @@ impl Calendar {
         if self.opened == self.beyond() {
             return Dawn::YearOver;
         }
-        std::mem::swap(&mut self.today, &mut self.days[self.opened]);
+        let Day { room, count } = &self.days[self.opened];
+        self.today.clear();
+        self.today.extend_from_slice(&room[..*count]);
         self.opened += 1;
         // As `retain` does, but without a branch for each, which would be a toss.
         let mut kept = 0;

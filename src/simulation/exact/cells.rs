@@ -40,20 +40,17 @@ struct Level {
     shift: u32,
     columns: usize,
     rows: usize,
-    /// Where its cells begin in `heads`, the rim's among them.
+    /// Where the link of its first cell is, behind the rim's.
     first: usize,
+    /// From a cell's link to that of the one below it.
+    stride: usize,
 }
 
 impl Level {
-    /// From a cell to the one below it.
-    #[inline]
-    fn stride(&self) -> usize {
-        self.columns + 2
-    }
-
+    /// Where a cell's link is.
     #[inline]
     fn index(&self, place: Place) -> usize {
-        self.first + (usize::from(place.row) + 1) * self.stride() + usize::from(place.column) + 1
+        self.first + usize::from(place.row) * self.stride + usize::from(place.column)
     }
 }
 
@@ -63,10 +60,8 @@ pub(super) struct Cells {
     levels: Vec<Level>,
     /// Of the finest cells, px.
     width: DVec2,
-    /// The first ball of each cell.
-    heads: Vec<u32>,
-    /// The ball behind each ball in its cell.
-    next: Vec<u32>,
+    /// The ball behind each ball in its cell, and then the first ball of each cell; [`END`] where there is none.
+    links: Vec<u32>,
     /// Each ball's level; empty where there is one alone.
     level_of: Vec<u8>,
 }
@@ -96,15 +91,15 @@ impl Cells {
         let mut cells = Self {
             levels: Vec::new(),
             width: world.size / finest,
-            heads: Vec::new(),
-            next: vec![END; count],
+            links: vec![END; count],
             level_of: Vec::new(),
         };
         for shift in 0..=shifts {
             let (columns, rows) =
                 (((finest.x as usize) >> shift).max(1), ((finest.y as usize) >> shift).max(1));
-            cells.levels.push(Level { shift, columns, rows, first: cells.heads.len() });
-            cells.heads.resize(cells.heads.len() + (columns + 2) * (rows + 2), END);
+            let (rim, stride) = (cells.links.len(), columns + 2);
+            cells.levels.push(Level { shift, columns, rows, first: rim + stride + 1, stride });
+            cells.links.resize(rim + stride * (rows + 2), END);
         }
         if shifts > 0 {
             let wide = |shift: u32| width * f64::from(1_u32 << shift);
@@ -121,6 +116,12 @@ impl Cells {
 
     fn level(&self, ball: usize) -> usize {
         if self.level_of.is_empty() { 0 } else { self.level_of[ball].into() }
+    }
+
+    /// The level that a ball lives in.
+    #[inline]
+    fn home<N: Needs>(&self, ball: usize) -> &Level {
+        &self.levels[if N::ALIKE { 0 } else { self.level(ball) }]
     }
 
     /// The cell of a ball that is at `position`.
@@ -144,68 +145,91 @@ impl Cells {
     }
 
     /// Puts a ball into a cell.
-    pub(super) fn put(&mut self, ball: usize, place: Place) {
-        let cell = self.levels[self.level(ball)].index(place);
-        self.next[ball] = self.heads[cell];
-        self.heads[cell] = ball as u32;
+    #[inline]
+    pub(super) fn put<N: Needs>(&mut self, ball: usize, place: Place) {
+        let cell = self.home::<N>(ball).index(place);
+        self.links[ball] = self.links[cell];
+        self.links[cell] = ball as u32;
+    }
+
+    /// Takes a ball out of its cell for a while: what [`reveal`](Self::reveal) takes to put it back where it was. Balls
+    /// that are hidden at one time must be revealed in the opposite order.
+    #[inline]
+    pub(super) fn hide<N: Needs>(&mut self, ball: usize, place: Place) -> usize {
+        let mut before = self.home::<N>(ball).index(place);
+        while self.links[before] != ball as u32 {
+            before = self.links[before] as usize;
+        }
+        self.links[before] = self.links[ball];
+        before
+    }
+
+    /// Puts a ball back that was hidden.
+    #[inline]
+    pub(super) fn reveal(&mut self, ball: usize, before: usize) {
+        self.links[before] = ball as u32;
     }
 
     /// The coordinate of a border of a ball's cell, and whether it is the world's edge.
     #[inline]
     pub(super) fn line<N: Needs>(&self, ball: usize, place: Place, border: Border) -> (f64, bool) {
-        let Level { shift, columns, rows, .. } = self.levels[if N::ALIKE { 0 } else { self.level(ball) }];
+        let Level { shift, columns, rows, .. } = *self.home::<N>(ball);
         let (at, count) = if border.axis == 0 { (place.column, columns) } else { (place.row, rows) };
         let number = usize::from(at) + usize::from(border.up);
         // Counted in the finest cells: few enough for a conversion of one instruction.
         (f64::from((number << shift) as u32) * self.width[border.axis], number == 0 || number == count)
     }
 
+    /// The coordinates of two borders of a ball's cell, across one axis and the other, where neither is the world's edge.
+    #[inline]
+    pub(super) fn inner_lines<N: Needs>(
+        &self,
+        ball: usize,
+        place: Place,
+        borders: [Border; 2],
+    ) -> Option<[f64; 2]> {
+        let Level { shift, columns, rows, .. } = *self.home::<N>(ball);
+        let column = usize::from(place.column) + usize::from(borders[0].up);
+        let row = usize::from(place.row) + usize::from(borders[1].up);
+        let line = |axis: usize, number: usize| f64::from((number << shift) as u32) * self.width[axis];
+        ((1..columns).contains(&column) && (1..rows).contains(&row)).then(|| [line(0, column), line(1, row)])
+    }
+
     /// Moves a ball over a border of its cell; the cell that it is in then.
-    pub(super) fn cross(&mut self, ball: usize, place: Place, border: Border) -> Place {
-        let cell = self.levels[self.level(ball)].index(place);
-        let after = self.next[ball];
-        if self.heads[cell] == ball as u32 {
-            self.heads[cell] = after;
-        } else {
-            let mut before = self.heads[cell] as usize;
-            while self.next[before] != ball as u32 {
-                before = self.next[before] as usize;
-            }
-            self.next[before] = after;
-        }
+    #[inline]
+    pub(super) fn cross<N: Needs>(&mut self, ball: usize, place: Place, border: Border) -> Place {
+        self.hide::<N>(ball, place);
         let place = place.beyond(border);
-        self.put(ball, place);
+        self.put::<N>(ball, place);
         place
     }
 
-    /// Hands over all balls that are in a ball's cell or around it, but for the ball itself and, if there is one,
-    /// `except`. Where it came there over a border, `crossed`, only those that were not around the cell before.
+    /// Hands over all balls that are in a ball's cell or around it, and that ball, too, where it is not hidden. Where it
+    /// came there over a border, `crossed`, only those that were not around the cell before.
     #[inline]
     pub(super) fn for_each_near<N: Needs>(
         &self,
         ball: usize,
-        except: Option<usize>,
         place: Place,
         crossed: Option<Border>,
         mut visit: impl FnMut(usize),
     ) {
         let own = if N::ALIKE { 0 } else { self.level(ball) };
-        let without = Without::new(ball, except.unwrap_or(ball), &self.next);
-        self.visit_around(&self.levels[own], &without, place, crossed, &mut visit);
+        self.visit_around(&self.levels[own], place, crossed, &mut visit);
         if N::ALIKE || self.levels.len() == 1 {
             return;
         }
         let before = crossed.map(|border| place.beyond(border.other_side()));
         for (other, level) in self.levels.iter().enumerate() {
             if other < own {
-                self.visit_within(&self.levels[own], &without, place, crossed, level, &mut visit);
+                self.visit_within(&self.levels[own], place, crossed, level, &mut visit);
             } else if other > own {
                 let seen = |place: Place| Place {
                     column: (usize::from(place.column) >> (other - own)).min(level.columns - 1) as u16,
                     row: (usize::from(place.row) >> (other - own)).min(level.rows - 1) as u16,
                 };
                 if before.map(seen) != Some(seen(place)) {
-                    self.visit_around(level, &without, seen(place), crossed, &mut visit);
+                    self.visit_around(level, seen(place), crossed, &mut visit);
                 }
             }
         }
@@ -218,14 +242,12 @@ impl Cells {
     fn visit_around(
         &self,
         level: &Level,
-        without: &Without,
         place: Place,
         crossed: Option<Border>,
         visit: &mut impl FnMut(usize),
     ) {
         let (mut queue, mut count) = ([END; 16], 0_usize);
         let gather = |head: u32| {
-            let head = without.skip(head);
             queue[count % 16] = head;
             count += usize::from(head != END);
         };
@@ -234,7 +256,7 @@ impl Cells {
         while visited < count {
             let other = queue[visited % 16] as usize;
             visited += 1;
-            let after = without.skip(self.next[other]);
+            let after = self.links[other];
             queue[count % 16] = after;
             count += usize::from(after != END);
             visit(other);
@@ -251,23 +273,20 @@ impl Cells {
         crossed: Option<Border>,
         mut gather: impl FnMut(u32),
     ) {
-        let (middle, stride) = (level.index(place), level.stride());
-        let row = |cell: usize| self.heads[cell - 1..].first_chunk::<3>().copied().unwrap_or([END; 3]);
-        match crossed {
-            None => [middle - stride, middle, middle + stride]
-                .map(row)
-                .as_flattened()
-                .iter()
-                .copied()
-                .for_each(gather),
-            Some(Border { axis: 0, up }) => {
-                let column = if up { middle + 1 } else { middle - 1 };
-                for cell in [column - stride, column, column + stride] {
-                    gather(self.heads[cell]);
-                }
-            }
-            Some(Border { up, .. }) => {
-                row(if up { middle + stride } else { middle - stride }).into_iter().for_each(gather);
+        let (middle, stride) = (level.index(place), level.stride);
+        if let Some(border) = crossed {
+            // Which of the four borders it is, no branch could foretell either.
+            let (along, across) = if border.axis == 0 { (1, stride) } else { (stride, 1) };
+            let beyond = if border.up { middle + along } else { middle - along };
+            [beyond - across, beyond, beyond + across]
+                .map(|cell| self.links[cell])
+                .into_iter()
+                .for_each(gather);
+        } else {
+            // One by one: what has just been written cannot be read together with what has not without waiting.
+            for cell in [middle - stride, middle, middle + stride] {
+                let row = self.links[cell - 1..].first_chunk().unwrap_or(&[END; 3]);
+                row.iter().copied().for_each(&mut gather);
             }
         }
     }
@@ -290,7 +309,6 @@ impl Cells {
     fn visit_within(
         &self,
         coarse: &Level,
-        without: &Without,
         place: Place,
         crossed: Option<Border>,
         fine: &Level,
@@ -313,38 +331,13 @@ impl Cells {
         for row in span(1, place.row, coarse.rows, fine.rows) {
             for column in span(0, place.column, coarse.columns, fine.columns) {
                 let place = Place { column: column as u16, row: row as u16 };
-                let mut at = without.skip(self.heads[fine.index(place)]);
+                let mut at = self.links[fine.index(place)];
                 while at != END {
                     visit(at as usize);
-                    at = without.skip(self.next[at as usize]);
+                    at = self.links[at as usize];
                 }
             }
         }
-    }
-}
-
-/// Two balls, or the same one twice, that are left out of the lists of their cells.
-struct Without {
-    left_out: [u32; 2],
-    /// Who comes after each in its cell, of those that are not left out.
-    behind: [u32; 2],
-}
-
-impl Without {
-    #[inline]
-    fn new(one: usize, other: usize, next: &[u32]) -> Self {
-        let (after_one, after_other) = (next[one], next[other]);
-        let behind_one = if after_one == other as u32 { after_other } else { after_one };
-        let behind_other = if after_other == one as u32 { after_one } else { after_other };
-        Self { left_out: [one as u32, other as u32], behind: [behind_one, behind_other] }
-    }
-
-    /// The ball at this place in a list, or the next after it that is not left out.
-    #[inline]
-    fn skip(&self, ball: u32) -> u32 {
-        let Self { left_out, behind } = self;
-        let ball = if ball == left_out[0] { behind[0] } else { ball };
-        if ball == left_out[1] { behind[1] } else { ball }
     }
 }
 
@@ -357,12 +350,11 @@ impl Border {
 
 impl Place {
     /// The place on the other side of a border.
+    #[inline]
     fn beyond(self, Border { axis, up }: Border) -> Self {
-        let step = |at: u16| if up { at + 1 } else { at - 1 };
-        if axis == 0 {
-            Self { column: step(self.column), ..self }
-        } else {
-            Self { row: step(self.row), ..self }
-        }
+        // Again without a branch: less one is what all ones add.
+        let step = if up { 1 } else { u16::MAX };
+        let (columns, rows) = if axis == 0 { (step, 0) } else { (0, step) };
+        Self { column: self.column.wrapping_add(columns), row: self.row.wrapping_add(rows) }
     }
 }

@@ -37,7 +37,9 @@ impl Ahead {
 impl Exact {
     /// Finds a ball's earliest impact from now on, and whose earliest that is too.
     pub(super) fn foresee<N: Needs>(&mut self, slot: usize, now: f64) {
-        self.foresee_without::<N>(slot, None, now);
+        let before = self.hide::<N>(slot);
+        self.foresee_hidden::<N>(slot, now);
+        self.reveal(slot, before);
     }
 
     /// The same for two balls that have just hit each other.
@@ -46,17 +48,40 @@ impl Exact {
         // All but always they part now, in straight flight beside each other: that needs no proof by the roots, twice.
         let beside = !N::HOLDS || self.marks[one].rests() == self.marks[other].rests();
         let parts = beside && !N::DETECT && self.pair::<N>(one, other, now).parts_from_touch();
-        self.foresee_without::<N>(one, parts.then_some(other), now);
-        self.foresee_without::<N>(other, parts.then_some(one), now);
+        if parts {
+            let before = (self.hide::<N>(one), self.hide::<N>(other));
+            self.foresee_hidden::<N>(one, now);
+            self.foresee_hidden::<N>(other, now);
+            self.reveal(other, before.1);
+            self.reveal(one, before.0);
+        } else {
+            self.foresee::<N>(one, now);
+            self.foresee::<N>(other, now);
+        }
     }
 
-    /// The same but for one other ball, if any, that it will surely not meet.
+    /// Takes a ball out of its cell for a while: nobody meets itself.
     #[inline]
-    fn foresee_without<N: Needs>(&mut self, slot: usize, except: Option<usize>, now: f64) {
+    fn hide<N: Needs>(&mut self, slot: usize) -> usize {
+        let place = self.flights[slot].place;
+        self.cells.as_mut().map_or(0, |cells| cells.hide::<N>(slot, place))
+    }
+
+    /// Puts it back.
+    #[inline]
+    fn reveal(&mut self, slot: usize, before: usize) {
+        if let Some(cells) = &mut self.cells {
+            cells.reveal(slot, before);
+        }
+    }
+
+    /// Foresees what comes next for a ball that is hidden, and does not meet others that are.
+    #[inline]
+    fn foresee_hidden<N: Needs>(&mut self, slot: usize, now: f64) {
         let ahead = self.ahead::<N>(slot, now, None);
         let flight = &mut self.flights[slot];
         (flight.impact, flight.against) = (ahead.impact, ahead.wall);
-        self.meet_others::<N>(slot, except, now, None);
+        self.meet_others::<N>(slot, now, None);
         self.write_next::<N>(slot, &ahead);
     }
 
@@ -66,13 +91,13 @@ impl Exact {
         let border = self.marks[slot].border();
         let Some(cells) = &mut self.cells else { return };
         let from = self.flights[slot].place;
-        self.flights[slot].place = cells.cross(slot, from, border);
+        self.flights[slot].place = cells.cross::<N>(slot, from, border);
         let ahead = self.ahead::<N>(slot, now, Some(border));
         let flight = &mut self.flights[slot];
         if ahead.impact < flight.impact {
             (flight.impact, flight.against) = (ahead.impact, ahead.wall);
         }
-        self.meet_others::<N>(slot, None, now, Some(border));
+        self.meet_others::<N>(slot, now, Some(border));
         self.write_next::<N>(slot, &ahead);
     }
 
@@ -134,34 +159,51 @@ impl Exact {
         ahead
     }
 
-    /// The same in straight flight, where each axis has one side ahead. Whether a wall is there or the border of a
-    /// cell, and which of the two sides is reached first, no processor can foretell: there are no branches for it.
+    /// The same in straight flight, where each axis has one side ahead. Which of the two is reached first no processor
+    /// can foretell: there is no branch for it.
     #[inline]
     fn straight_ahead<N: Needs>(&self, slot: usize) -> Ahead {
         let flight = &self.flights[slot];
+        let borders = [0, 1].map(|axis| Border { axis, up: flight.velocity[axis] > 0.0 });
+        let inner = self.cells.as_ref().and_then(|cells| cells.inner_lines::<N>(slot, flight.place, borders));
+        // Nearly always, where there are many cells.
+        let Some(lines) = inner else { return self.straight_at_edge::<N>(slot, borders) };
+        let [x, y] = [self.arrive(slot, 0, lines[0]), self.arrive(slot, 1, lines[1])];
+        Ahead { crossing: x.min(y), border: borders[usize::from(y < x)], ..Ahead::NOTHING }
+    }
+
+    /// The same where one of the sides, or both, are walls.
+    #[inline(never)]
+    fn straight_at_edge<N: Needs>(&self, slot: usize, borders: [Border; 2]) -> Ahead {
         let radius = self.matter::<N>(slot).radius;
         let mut ahead = Ahead::NOTHING;
-        for axis in 0..2 {
-            let (position, speed) = (flight.position[axis], flight.velocity[axis]);
-            let border = Border { axis, up: speed > 0.0 };
-            let (line, edge) = match &self.cells {
-                Some(cells) => cells.line::<N>(slot, flight.place, border),
-                None => (0.0, true),
-            };
-            let wall =
-                [self.walls_at[0][axis] + radius, self.walls_at[1][axis] - radius][usize::from(border.up)];
-            let distance = if edge { wall } else { line } - position;
-            let reached = flight.time + flight::arrive(distance, speed);
-            let time = if speed == 0.0 { NEVER } else { reached };
-            let (impact, crossing) = if edge { (time, NEVER) } else { (NEVER, time) };
-            if impact < ahead.impact {
-                (ahead.impact, ahead.wall) = (impact, Against::wall(axis, border.up));
-            }
-            if crossing < ahead.crossing {
-                (ahead.crossing, ahead.border) = (crossing, border);
+        for border in borders {
+            let Border { axis, up } = border;
+            let line =
+                self.cells.as_ref().map(|cells| cells.line::<N>(slot, self.flights[slot].place, border));
+            if let Some((line, false)) = line {
+                let time = self.arrive(slot, axis, line);
+                if time < ahead.crossing {
+                    (ahead.crossing, ahead.border) = (time, border);
+                }
+            } else {
+                let wall = if up { self.walls_at[1][axis] - radius } else { self.walls_at[0][axis] + radius };
+                let time = self.arrive(slot, axis, wall);
+                if time < ahead.impact {
+                    (ahead.impact, ahead.wall) = (time, Against::wall(axis, up));
+                }
             }
         }
         ahead
+    }
+
+    /// When a ball in straight flight arrives at a line across an axis.
+    #[inline]
+    fn arrive(&self, slot: usize, axis: usize, line: f64) -> f64 {
+        let flight = &self.flights[slot];
+        let speed = flight.velocity[axis];
+        let time = flight.time + flight::arrive(line - flight.position[axis], speed);
+        if speed == 0.0 { NEVER } else { time }
     }
 
     /// Looks at one side of a ball's cell.
@@ -261,13 +303,7 @@ impl Exact {
     /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
     /// other's earliest. Where it crosses a border now, only those that have come near by that are looked at.
     #[inline]
-    fn meet_others<N: Needs>(
-        &mut self,
-        slot: usize,
-        except: Option<usize>,
-        now: f64,
-        crossed: Option<Border>,
-    ) {
+    fn meet_others<N: Needs>(&mut self, slot: usize, now: f64, crossed: Option<Border>) {
         let Some(cells) = &self.cells else { return };
         let flight = &self.flights[slot];
         let own = self.state::<N>(slot, now);
@@ -291,7 +327,7 @@ impl Exact {
             first.or(now + time, other, self.flights[other].impact);
         };
         let mut near = 0;
-        cells.for_each_near::<N>(slot, except, flight.place, crossed, |other| {
+        cells.for_each_near::<N>(slot, flight.place, crossed, |other| {
             near += 1;
             let held = |slot: usize| self.marks[slot].rests() == 3;
             if N::HOLDS && held(slot) && held(other) {
@@ -345,13 +381,13 @@ struct First {
 }
 
 impl First {
-    /// Takes a meeting instead where it is earlier, and earlier than the partner's next impact.
+    /// Takes a meeting instead where it is earlier, and earlier than the partner's next impact: again a toss, for which
+    /// there is no branch, since each choice between two numbers hangs on one comparison.
     #[inline]
-    #[expect(clippy::needless_bitwise_bool, reason = "again a toss, for which there is no branch")]
     fn or(&mut self, time: f64, partner: usize, impact: f64) {
-        let earlier = (time < self.time) & (time < impact);
-        self.time = if earlier { time } else { self.time };
-        self.partner = if earlier { partner as u32 } else { self.partner };
+        let time = if time < impact { time } else { NEVER };
+        self.partner = if time < self.time { partner as u32 } else { self.partner };
+        self.time = if time < self.time { time } else { self.time };
     }
 }
 

@@ -115,6 +115,7 @@ impl Exact {
     }
 
     /// Begins a new flight of a ball.
+    #[inline]
     pub(super) fn set_out(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
         let soon = self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter_time;
         self.marks[slot].strike(soon);

@@ -141,9 +141,9 @@ impl Exact {
                 }
             }
             let Some(cells) = self.cells.as_ref().filter(|_| !N::DETECT) else { break };
-            cells.for_each_near::<N>(one, None, self.flights[one].place, None, |slot| {
-                // Those that were looked at before know of this one.
-                if (found[slot] as usize) < at {
+            cells.for_each_near::<N>(one, self.flights[one].place, None, |slot| {
+                // Those that were looked at before know of this one, which does not touch itself.
+                if (found[slot] as usize) <= at {
                     return;
                 }
                 let (their_position, their_velocity) = self.state::<N>(slot, now);
@@ -212,7 +212,7 @@ impl Exact {
                 self.set_out(one, (position, DVec2::ZERO), now);
                 let radius = self.matter::<N>(one).radius;
                 let Some(cells) = &self.cells else { break };
-                cells.for_each_near::<N>(one, None, place, None, |other| {
+                cells.for_each_near::<N>(one, place, None, |other| {
                     if self.marks[other].has(Marks::HELD) {
                         let offset = self.flights[other].position - position;
                         let reach = radius + self.matter::<N>(other).radius;

@@ -89,10 +89,10 @@ impl Exact {
         while at < group.slots.len() {
             let slot = group.slots[at];
             let mut near = Vec::new();
-            cells.for_each_near::<N>(slot, None, self.flights[slot].place, None, |other| near.push(other));
+            cells.for_each_near::<N>(slot, self.flights[slot].place, None, |other| near.push(other));
             for other in near {
                 let known = group.slots.iter().position(|&slot| slot == other);
-                if known.is_some_and(|known| known < at) {
+                if known.is_some_and(|known| known <= at) {
                     continue;
                 }
                 let (position, velocity) = match known {
