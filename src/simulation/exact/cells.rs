@@ -173,11 +173,11 @@ impl Cells {
     /// The coordinate of a border of a ball's cell, and whether it is the world's edge.
     #[inline]
     pub(super) fn line<N: Needs>(&self, ball: usize, place: Place, border: Border) -> (f64, bool) {
-        let Level { shift, columns, rows, .. } = *self.home::<N>(ball);
-        let (at, count) = if border.axis == 0 { (place.column, columns) } else { (place.row, rows) };
+        let level = self.home::<N>(ball);
+        let (at, count) =
+            if border.axis == 0 { (place.column, level.columns) } else { (place.row, level.rows) };
         let number = usize::from(at) + usize::from(border.up);
-        // Counted in the finest cells: few enough for a conversion of one instruction.
-        (f64::from((number << shift) as u32) * self.width[border.axis], number == 0 || number == count)
+        (self.line_after(level, border.axis, number), number == 0 || number == count)
     }
 
     /// The coordinates of two borders of a ball's cell, across one axis and the other, where neither is the world's edge.
@@ -188,11 +188,18 @@ impl Cells {
         place: Place,
         borders: [Border; 2],
     ) -> Option<[f64; 2]> {
-        let Level { shift, columns, rows, .. } = *self.home::<N>(ball);
+        let level = self.home::<N>(ball);
         let column = usize::from(place.column) + usize::from(borders[0].up);
         let row = usize::from(place.row) + usize::from(borders[1].up);
-        let line = |axis: usize, number: usize| f64::from((number << shift) as u32) * self.width[axis];
-        ((1..columns).contains(&column) && (1..rows).contains(&row)).then(|| [line(0, column), line(1, row)])
+        let inside = (1..level.columns).contains(&column) && (1..level.rows).contains(&row);
+        inside.then(|| [self.line_after(level, 0, column), self.line_after(level, 1, row)])
+    }
+
+    /// The coordinate of the line behind so many columns or rows.
+    #[inline]
+    fn line_after(&self, level: &Level, axis: usize, number: usize) -> f64 {
+        // Counted in the finest cells: few enough for a conversion of one instruction.
+        f64::from((number << level.shift) as u32) * self.width[axis]
     }
 
     /// Moves a ball over a border of its cell; the cell that it is in then.

@@ -225,7 +225,7 @@ impl App {
             clock: FrameClock::default(),
             rate: FrameRate::default(),
             frames_per_second: None,
-            timings: options.timings.then(Timings::default),
+            timings: options.timings.then(|| Timings::begin(Instant::now())),
             turn: Turn::begin(Instant::now()),
             waiting: Waiting::default(),
             modifiers: ModifiersState::empty(),
