@@ -28,8 +28,9 @@ struct Long {
     spending: Spending,
     /// The program's own time by the clock.
     own: Duration,
-    /// What was stolen meanwhile.
+    /// What was stolen meanwhile, and the processor time without it.
     stolen: Duration,
+    certain: Duration,
     /// What the window showed then.
     shown: String,
 }
@@ -87,18 +88,12 @@ impl Timings {
         let certain = spending.sum().saturating_sub(stolen);
         self.processor.add(spending.sum());
         self.certain.add(certain);
-        let place = self.longest.partition_point(|long| long.certain() >= certain);
+        let place = self.longest.partition_point(|long| long.certain >= certain);
         if place < MOST_LONG {
-            self.longest
-                .insert(place, Long { at: self.began.elapsed(), spending, own, stolen, shown: shown() });
+            let at = self.began.elapsed();
+            self.longest.insert(place, Long { at, spending, own, stolen, certain, shown: shown() });
             self.longest.truncate(MOST_LONG);
         }
-    }
-}
-
-impl Long {
-    fn certain(&self) -> Duration {
-        self.spending.sum().saturating_sub(self.stolen)
     }
 }
 
@@ -112,7 +107,7 @@ impl fmt::Display for Timings {
                 [spread.share(0.5), spread.share(0.99), spread.longest].map(milliseconds);
             write!(f, "\n{name:<9} median {median:.4}, 99 % under {most:.4}, longest {longest:.4}")?;
         }
-        for Long { at, spending, own, stolen, shown } in &self.longest {
+        for Long { at, spending, own, stolen, shown, .. } in &self.longest {
             let [time, own, stolen] = [spending.sum(), *own, *stolen].map(milliseconds);
             let at = at.as_secs_f64();
             write!(
