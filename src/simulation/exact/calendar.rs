@@ -99,10 +99,10 @@ const MOST_SOONER: usize = 64;
 /// Moments of a year, of which each may be its end: a power of two.
 pub(super) const MOMENTS: f64 = (1_u64 << 20) as f64;
 
-/// The days of a year for so many balls: short ones, with few events to sort, as long as all of them stay in the
-/// caches; fewer and longer ones where the balls are very many.
+/// The days of a year for so many balls: one for four of them, so that few events are to be sorted and few days to be
+/// opened, as long as all days stay in the caches; fewer and longer ones where the balls are very many.
 fn days(balls: usize) -> usize {
-    balls.min(2048).max(balls / 64).max(32).next_power_of_two()
+    (balls / 4).min(2048).max(balls / 64).max(32).next_power_of_two()
 }
 
 impl Calendar {

@@ -118,10 +118,10 @@ impl Cells {
         if self.level_of.is_empty() { 0 } else { self.level_of[ball].into() }
     }
 
-    /// The level that a ball lives in.
+    /// The level that a ball lives in, which need not be looked up where all balls are alike.
     #[inline]
-    fn home<N: Needs>(&self, ball: usize) -> &Level {
-        &self.levels[if N::ALIKE { 0 } else { self.level(ball) }]
+    fn home<N: Needs>(&self, ball: usize) -> usize {
+        if N::ALIKE { 0 } else { self.level(ball) }
     }
 
     /// The cell of a ball that is at `position`.
@@ -147,7 +147,7 @@ impl Cells {
     /// Puts a ball into a cell.
     #[inline]
     pub(super) fn put<N: Needs>(&mut self, ball: usize, place: Place) {
-        let cell = self.home::<N>(ball).index(place);
+        let cell = self.levels[self.home::<N>(ball)].index(place);
         self.links[ball] = self.links[cell];
         self.links[cell] = ball as u32;
     }
@@ -156,7 +156,7 @@ impl Cells {
     /// that are hidden at one time must be revealed in the opposite order.
     #[inline]
     pub(super) fn hide<N: Needs>(&mut self, ball: usize, place: Place) -> usize {
-        let mut before = self.home::<N>(ball).index(place);
+        let mut before = self.levels[self.home::<N>(ball)].index(place);
         while self.links[before] != ball as u32 {
             before = self.links[before] as usize;
         }
@@ -173,7 +173,7 @@ impl Cells {
     /// The coordinate of a border of a ball's cell, and whether it is the world's edge.
     #[inline]
     pub(super) fn line<N: Needs>(&self, ball: usize, place: Place, border: Border) -> (f64, bool) {
-        let level = self.home::<N>(ball);
+        let level = &self.levels[self.home::<N>(ball)];
         let (at, count) =
             if border.axis == 0 { (place.column, level.columns) } else { (place.row, level.rows) };
         let number = usize::from(at) + usize::from(border.up);
@@ -188,7 +188,7 @@ impl Cells {
         place: Place,
         borders: [Border; 2],
     ) -> Option<[f64; 2]> {
-        let level = self.home::<N>(ball);
+        let level = &self.levels[self.home::<N>(ball)];
         let column = usize::from(place.column) + usize::from(borders[0].up);
         let row = usize::from(place.row) + usize::from(borders[1].up);
         let inside = (1..level.columns).contains(&column) && (1..level.rows).contains(&row);
@@ -221,7 +221,7 @@ impl Cells {
         crossed: Option<Border>,
         mut visit: impl FnMut(usize),
     ) {
-        let own = if N::ALIKE { 0 } else { self.level(ball) };
+        let own = self.home::<N>(ball);
         self.visit_around(&self.levels[own], place, crossed, &mut visit);
         if N::ALIKE || self.levels.len() == 1 {
             return;

@@ -32,6 +32,22 @@ impl Ahead {
         crossing: NEVER,
         border: Border { axis: 0, up: false },
     };
+
+    /// Takes the crossing of a border instead, where that is earlier.
+    #[inline]
+    fn or_cross(&mut self, time: f64, border: Border) {
+        if time < self.crossing {
+            (self.crossing, self.border) = (time, border);
+        }
+    }
+
+    /// Takes the impact on a wall instead, where that is earlier.
+    #[inline]
+    fn or_hit(&mut self, time: f64, Border { axis, up }: Border) {
+        if time < self.impact {
+            (self.impact, self.wall) = (time, Against::wall(axis, up));
+        }
+    }
 }
 
 impl Exact {
@@ -140,9 +156,10 @@ impl Exact {
     /// Writes what comes first for a ball into the calendar.
     fn write_next<N: Needs>(&mut self, slot: usize, ahead: &Ahead) {
         let flight = &mut self.flights[slot];
-        flight.event = ahead.crossing.min(flight.impact);
+        let event = earlier(flight.impact, ahead.crossing);
+        flight.event = event;
         self.marks[slot].set_border(ahead.border);
-        self.calendar.write(flight.event, slot as u32);
+        self.calendar.write(event, slot as u32);
     }
 
     /// Walls, where the ball is in a cell at the edge, and the borders of its cell. Where it comes over a border now,
@@ -169,7 +186,7 @@ impl Exact {
         // Nearly always, where there are many cells.
         let Some(lines) = inner else { return self.straight_at_edge::<N>(slot, borders) };
         let [x, y] = [self.arrive(slot, 0, lines[0]), self.arrive(slot, 1, lines[1])];
-        Ahead { crossing: x.min(y), border: borders[usize::from(y < x)], ..Ahead::NOTHING }
+        Ahead { crossing: earlier(x, y), border: borders[usize::from(y < x)], ..Ahead::NOTHING }
     }
 
     /// The same where one of the sides, or both, are walls.
@@ -182,16 +199,10 @@ impl Exact {
             let line =
                 self.cells.as_ref().map(|cells| cells.line::<N>(slot, self.flights[slot].place, border));
             if let Some((line, false)) = line {
-                let time = self.arrive(slot, axis, line);
-                if time < ahead.crossing {
-                    (ahead.crossing, ahead.border) = (time, border);
-                }
+                ahead.or_cross(self.arrive(slot, axis, line), border);
             } else {
                 let wall = if up { self.walls_at[1][axis] - radius } else { self.walls_at[0][axis] + radius };
-                let time = self.arrive(slot, axis, wall);
-                if time < ahead.impact {
-                    (ahead.impact, ahead.wall) = (time, Against::wall(axis, up));
-                }
+                ahead.or_hit(self.arrive(slot, axis, wall), border);
             }
         }
         ahead
@@ -219,17 +230,11 @@ impl Exact {
         let flight = &self.flights[slot];
         let line = self.cells.as_ref().map(|cells| cells.line::<N>(slot, flight.place, border));
         if let Some((line, false)) = line {
-            let time = self.leaves::<N>(slot, now, border, crossed, line);
-            if time < ahead.crossing {
-                (ahead.crossing, ahead.border) = (time, border);
-            }
+            ahead.or_cross(self.leaves::<N>(slot, now, border, crossed, line), border);
         } else if self.walls.is_some() {
             let (radius, size) = (self.matter::<N>(slot).radius, self.size[border.axis]);
             let wall = if border.up { size - radius } else { radius };
-            let time = flight.time + self.reach::<N>(slot, border, wall);
-            if time < ahead.impact {
-                (ahead.impact, ahead.wall) = (time, Against::wall(border.axis, border.up));
-            }
+            ahead.or_hit(flight.time + self.reach::<N>(slot, border, wall), border);
         }
     }
 
@@ -369,6 +374,12 @@ impl Exact {
             }
         }
     }
+}
+
+/// The earlier of two times, which are numbers: one instruction, where [`f64::min`] has an answer for what is none.
+#[inline]
+fn earlier(one: f64, other: f64) -> f64 {
+    if other < one { other } else { one }
 }
 
 /// The earliest meeting found, if it is earlier than what else will happen to a ball.
