@@ -1,24 +1,17 @@
 //! That pictures are those of tiny-skia's `fill_path`, only painted faster: what differs, by how much, and what must not.
 
+#[path = "common/numbers.rs"]
+mod numbers;
+
 use std::f64::consts::PI;
 
 use carom::paint::{self, BACKGROUND, BALL, CONTACT, Painter, fill_disc};
 use carom::{Ball, DVec2, Pairs, Simulation, Solver, World};
+use numbers::random;
 use proptest::prelude::*;
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 const SIZE: DVec2 = DVec2::new(640.0, 360.0);
-
-/// Numbers from 0 to 1 that look random and are the same in every run.
-fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
 
 fn simulation(balls: &[(DVec2, f64)]) -> Simulation {
     let balls = balls.iter().map(|&(centre, radius)| Ball::new(centre, radius).unwrap()).collect();

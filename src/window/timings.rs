@@ -84,9 +84,9 @@ impl Timings {
             return;
         }
         let spending = std::mem::take(&mut self.spending);
-        let stolen = stolen_time().saturating_sub(self.stolen);
-        let certain = spending.sum().saturating_sub(stolen);
-        self.processor.add(spending.sum());
+        let (processor, stolen) = (spending.sum(), stolen_time().saturating_sub(self.stolen));
+        let certain = processor.saturating_sub(stolen);
+        self.processor.add(processor);
         self.certain.add(certain);
         let place = self.longest.partition_point(|long| long.certain >= certain);
         if place < MOST_LONG {

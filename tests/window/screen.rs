@@ -1,6 +1,7 @@
 //! The screen that the window is on: full, of another scale, of another size.
 
-use std::process::{Child, Stdio};
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, ChildStdout, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -8,21 +9,28 @@ use super::display::*;
 use super::files::saved_balls;
 
 /// A window manager, until it is dropped.
-struct Manager(Child);
+struct Manager {
+    child: Child,
+    /// Kept open: it may say something later.
+    _says: BufReader<ChildStdout>,
+}
 
 impl Manager {
     fn start(display: &Display) -> Self {
         let mut openbox = display.command("openbox");
-        let child =
-            openbox.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("openbox is installed");
-        Self(child)
+        // A window that is opened before it has started may stay unmapped for ever.
+        openbox.args(["--startup", "echo started"]).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut child = openbox.spawn().expect("openbox is installed");
+        let mut says = BufReader::new(child.stdout.take().unwrap());
+        assert!(says.by_ref().lines().any(|line| line.unwrap() == "started"), "openbox starts");
+        Self { child, _says: says }
     }
 }
 
 impl Drop for Manager {
     fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 
@@ -30,8 +38,7 @@ impl Drop for Manager {
 #[ignore = "needs Xvfb, xdotool, openbox and ImageMagick; run with --ignored"]
 fn f11_fills_the_screen_and_gives_it_back_and_the_walls_follow() {
     let display = Display::start();
-    let manager = Manager::start(&display);
-    sleep(Duration::from_millis(500));
+    let _manager = Manager::start(&display);
     let mut window = display.open(&["walls", "--paused", "--size", "600x400"]);
     let full = |window: &Window<'_>| {
         let shown = window.screenshot();
@@ -55,7 +62,6 @@ fn f11_fills_the_screen_and_gives_it_back_and_the_walls_follow() {
         let saved = std::fs::read_to_string(path).unwrap();
         assert!(saved.contains("size = [600, 400]"), "{saved}");
     }
-    drop(manager);
 }
 
 #[test]

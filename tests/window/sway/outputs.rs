@@ -79,16 +79,20 @@ fn frames_follow_the_rate_of_the_output_that_the_window_is_on() {
     sway.tell(&format!("focus output {FIRST}"));
     let mut window = sway.open(&["elastic", "--size", "320x180"]);
     window.wait_rate(18..22);
-    for (number, (output, rates)) in (1..).zip([(SECOND, 9..12), (FIRST, 18..22), (SECOND, 9..12)]) {
+    let mut number = 0;
+    for (output, rates) in [(SECOND, 9..12), (FIRST, 18..22), (SECOND, 9..12)] {
         sway.tell(&format!("[app_id=carom] move container to output {output}, focus"));
         window.wait_rate(rates.clone());
-        // The rate is that of the last half second at least.
-        let (_, lines) = window.saved_replay("elastic", number);
-        let deltas = deltas(&lines);
-        let mut last = deltas[deltas.len() - 5..].to_vec();
-        last.sort_by(f64::total_cmp);
-        let period = 1.0 / f64::from(rates.start);
-        assert!((0.7 * period..1.2 * period).contains(&last[2]), "{last:?} for {rates:?} frames per second");
+        // The title's rate is of half a second, and a busy machine may stop everything in the next.
+        window.wait(&format!("deltas of {rates:?} frames per second"), |window| {
+            number += 1;
+            let (_, lines) = window.saved_replay("elastic", number);
+            let deltas = deltas(&lines);
+            let mut last = deltas[deltas.len() - 5..].to_vec();
+            last.sort_by(f64::total_cmp);
+            let period = 1.0 / f64::from(rates.start);
+            (0.7 * period..1.2 * period).contains(&last[2])
+        });
     }
 }
 
