@@ -1,4 +1,4 @@
-//! What the contact solver costs, and what it keeps: `cargo bench --bench contact -- [gas|pile|demo|heavy|column|threads] [N]`.
+//! What the contact solver costs, and what it keeps: `cargo bench --bench contact -- [gas|pile|rest|demo|heavy|column|threads] [N]`.
 //! With `--features parallel` the last compares numbers of threads.
 
 use std::time::Instant;
@@ -25,6 +25,11 @@ fn main() {
         for count in counts(&[1000, 10_000, 50_000]) {
             pile(count, true);
             pile(count, false);
+        }
+    }
+    if wanted("rest") {
+        for count in counts(&[2000, 10_000]) {
+            (1..=8).for_each(|seed| rest(count, seed));
         }
     }
     if wanted("threads") {
@@ -60,6 +65,10 @@ fn energy(simulation: &Simulation) -> f64 {
     kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
 }
 
+fn fastest(simulation: &Simulation) -> f64 {
+    simulation.balls().iter().map(|ball| ball.velocity().length()).fold(0.0, f64::max)
+}
+
 /// Mean overlap of touching pairs, the largest, the largest speed.
 fn quality(simulation: &Simulation) -> (f64, f64, f64) {
     let balls = simulation.balls();
@@ -70,8 +79,7 @@ fn quality(simulation: &Simulation) -> (f64, f64, f64) {
         sum += (a.radius() + b.radius() - a.position().distance(b.position())) / a.radius().min(b.radius());
         count += 1;
     });
-    let fastest = balls.iter().map(|ball| ball.velocity().length()).fold(0.0, f64::max);
-    (sum / f64::from(count.max(1)), max_overlap(&mut grid, balls), fastest)
+    (sum / f64::from(count.max(1)), max_overlap(&mut grid, balls), fastest(simulation))
 }
 
 fn gas_scene(count: usize) -> Scene {
@@ -82,12 +90,12 @@ fn gas_scene(count: usize) -> Scene {
     Scene::parse("gas", &text).unwrap()
 }
 
-fn pile_scene(count: usize) -> Scene {
+fn pile_scene(count: usize, seed: u64) -> Scene {
     // Half of the box is the area of balls of radius 3 to 6: a mean square of 21.
     let area = count as f64 * std::f64::consts::PI * 21.0 * 2.0;
     let (width, height) = ((area * 16.0 / 9.0).sqrt().round(), (area * 9.0 / 16.0).sqrt().round());
     let text = format!(
-        "solver = \"contact\"\nsize = [{width}, {height}]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n[[fill]]\ncount = {count}\nradius = [3, 6]\nrestitution = 0.7\n"
+        "solver = \"contact\"\nsize = [{width}, {height}]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n[[fill]]\ncount = {count}\nradius = [3, 6]\nrestitution = 0.7\nseed = {seed}\n"
     );
     Scene::parse("pile", &text).unwrap()
 }
@@ -100,8 +108,8 @@ fn threads(count: usize) {
     let settling = if count > 50_000 { 15.0 } else { 8.0 };
     for (name, scene, skipped, measured) in [
         ("gas", gas_scene(count), 0.25, 0.5),
-        ("falling", pile_scene(count), 0.0, 2.0),
-        ("settled", pile_scene(count), settling, 0.5),
+        ("falling", pile_scene(count, 1), 0.0, 2.0),
+        ("settled", pile_scene(count, 1), settling, 0.5),
     ] {
         let build = |team: u32| scene.build().unwrap().with_sleep(false).with_threads(team);
         let frames = (measured / FRAME).round() as usize;
@@ -139,8 +147,25 @@ fn gas(count: usize) {
     );
 }
 
+/// How soon a pile of these balls stands still, and how it lies then.
+fn rest(count: usize, seed: u64) {
+    const MOST: u32 = 3600;
+    let mut simulation = pile_scene(count, seed).build().unwrap();
+    let (mut ns, mut frames) = (0.0, 0);
+    while frames == 0 || (frames < MOST && fastest(&simulation) > 0.0) {
+        ns += seconds(&mut simulation, FRAME);
+        frames += 1;
+    }
+    let (mean, most, fastest) = quality(&simulation);
+    println!(
+        "rest {count}, seed {seed}: {fastest:.3} px/s after {:.1} s, {:.0} ns a ball and frame; overlap {mean:.4} {most:.4}",
+        simulation.time(),
+        ns / f64::from(frames)
+    );
+}
+
 fn pile(count: usize, sleep: bool) {
-    let mut simulation = pile_scene(count).build().unwrap().with_sleep(sleep);
+    let mut simulation = pile_scene(count, 1).build().unwrap().with_sleep(sleep);
     let mut energies = vec![energy(&simulation)];
     let mut rise = 0.0_f64;
     for second in 1..=10 {

@@ -67,6 +67,72 @@ fn however_heavy_a_ball_that_is_put_on_sleepers_it_rests_there() {
     }
 }
 
+/// Twenty balls on each other, the highest of this mass, asleep.
+fn sleeping_tower(top: f64) -> Simulation {
+    let mut masses = [1.0; 20];
+    masses[19] = top;
+    let mut simulation = tower(&masses);
+    simulation.advance(2.0).unwrap();
+    simulation
+}
+
+/// What is awake hits the floor again and again.
+#[test]
+fn what_carries_a_million_times_its_mass_falls_asleep() {
+    let mut heavy = Scene::load("heavy").unwrap().build().unwrap();
+    heavy.advance(2.0).unwrap();
+    for mut simulation in [heavy, sleeping_tower(1e3), sleeping_tower(1e6)] {
+        let (balls, tally) = (simulation.balls().to_vec(), simulation.tally());
+        simulation.advance(4.0).unwrap();
+        assert_eq!((simulation.balls(), simulation.tally()), (&balls[..], tally));
+        assert_eq!(fastest(&simulation), 0.0);
+    }
+}
+
+#[test]
+fn what_a_heavy_ball_slept_on_falls_with_it_when_one_below_is_struck_away() {
+    for top in [1.0, 1e2, 1e3, 1e6, 1e12] {
+        let mut simulation = sleeping_tower(top);
+        let before = simulation.balls().to_vec();
+        simulation.set_velocity(5, DVec2::new(200.0, 0.0)).unwrap();
+        let start = energy(&simulation);
+        for _ in 0..60 {
+            simulation.advance(FRAME).unwrap();
+            let risen = (energy(&simulation) - start) / start;
+            assert!(risen < 2e-3, "{top}: the energy rises by {risen} of itself");
+        }
+        for (now, then) in simulation.balls().iter().zip(&before).skip(6) {
+            let (now, then) = (now.position(), then.position());
+            assert!(now.y > then.y + 10.0, "{top}: one hangs at {now}");
+        }
+    }
+}
+
+/// One that is added outside a world without walls just before rest is looked at, which that was taken for a wall's.
+#[test]
+fn nothing_sleeps_on_a_wall_that_is_not_there() {
+    let world = World::new(DVec2::new(400.0, 400.0)).unwrap().with_pairs(Pairs::Impulse);
+    let mut simulation = simulation(world.with_gravity(EARTH).unwrap(), vec![ball(100.0, 100.0, 10.0)]);
+    simulation.add(&[ball(200.0, 100.0, 10.0)]).unwrap();
+    simulation.advance(0.5 - 1.0 / 240.0).unwrap();
+    simulation.add(&[ball(300.0, 5000.0, 10.0)]).unwrap();
+    simulation.advance(1.0).unwrap();
+    let fallen = simulation.balls()[2].position().y - 5000.0;
+    assert!((fallen - 490.0).abs() < 1.0, "it falls {fallen} px in a second");
+}
+
+#[test]
+fn what_is_rid_of_a_heavy_ball_stays_where_it_slept() {
+    for top in [1.0, 1e2, 1e3, 1e6, 1e12] {
+        let mut simulation = sleeping_tower(top);
+        simulation.remove_last().unwrap();
+        for _ in 0..60 {
+            simulation.advance(FRAME).unwrap();
+            assert!(fastest(&simulation) < 0.5, "{top}: {} px/s", fastest(&simulation));
+        }
+    }
+}
+
 #[test]
 fn a_ball_that_swings_against_a_wall_never_sleeps_at_its_turning_points() {
     for (across, start) in [(980.0, 30.717), (400.0, 12.55), (100.0, 3.156), (100.0, 12.5), (100.0, 50.0)] {
@@ -101,6 +167,17 @@ fn what_lands_on_a_sleeping_pile_wakes_it_and_leaves_no_overlap() {
     simulation.advance(10.0).unwrap();
     assert_eq!(fastest(&simulation), 0.0);
     assert!(overlap(&simulation) < 0.05);
+}
+
+/// Each of these squeezes balls between sleepers, or between them and a wall, where they overlapped or rattled for ever.
+#[test]
+fn every_ball_of_a_pile_comes_to_rest_whatever_squeezes_it() {
+    for seed in [1, 2, 6, 8] {
+        let mut pile = seeded_pile(2000, seed);
+        pile.advance(10.0).unwrap();
+        assert_eq!(fastest(&pile), 0.0, "seed {seed}");
+        assert!(overlap(&pile) < 0.05, "seed {seed}: {}", overlap(&pile));
+    }
 }
 
 #[test]

@@ -17,8 +17,9 @@ impl Pair {
     }
 }
 
-/// How two balls hold each other.
+/// How two balls hold each other: one cache line.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(super) struct Hold {
     /// The accumulated impulse that holds them apart in a substep, mass·px/s along `normal`.
     pub(super) impulse: f64,

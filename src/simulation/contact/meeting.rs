@@ -10,8 +10,8 @@ use super::{Body, Setting};
 
 /// Balls whose squared distance is more than this part of that at which they touch are not close.
 const CLOSE: f64 = 1.05;
-/// Centres closer than this, px, have no direction to meet along.
-const COINCIDENT: f64 = 1e-150;
+/// Centres closer than this, px, have no direction from one to the other.
+pub(super) const COINCIDENT: f64 = 1e-150;
 
 /// How near two balls may come in a substep, by the tangent of their squared distance, which lies above it.
 #[derive(Debug, Clone, Copy)]

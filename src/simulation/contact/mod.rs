@@ -7,9 +7,9 @@
 //! 3. balls that meet exchange momentum at their time of impact (`rounds`, `events`, `impacts`, `meeting`, `together`,
 //!    `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
-//!    (`support`, `wall_support`);
-//! 5. balls move (`Contact::travel`);
-//! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`).
+//!    (`take_up`, `support`, `wall_support`);
+//! 5. balls move (`Contact::travel`), and those that were thrown by what holds them are let go of (`thrown`);
+//! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! At a frame's end the balls are shown as they are then (`show`).
 //!
@@ -25,6 +25,7 @@ mod find;
 mod holds;
 mod impacts;
 mod layout;
+mod loads;
 mod meeting;
 mod order;
 mod rounds;
@@ -32,7 +33,9 @@ mod show;
 mod sleep;
 mod stripes;
 mod support;
+mod take_up;
 mod team;
+mod thrown;
 mod together;
 mod wall_support;
 mod walls;
@@ -178,6 +181,7 @@ impl Contact {
         self.travel();
         if self.setting.can_rest {
             self.relax();
+            self.let_go_of_thrown();
             self.wake_unbalanced();
         }
         self.steps += 1;

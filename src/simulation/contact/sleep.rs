@@ -3,14 +3,15 @@
 //! A ball falls asleep where it is held, and has hardly moved for a while. It wakes where something hits it firmly, or
 //! where what holds it and what lies on it no longer balance its weight: then it moves, and those that lean on it wake
 //! in turn, as far as the change is felt. So there are no islands to keep, and a ball that lands on a large pile wakes
-//! what it shakes.
+//! what it shakes. One that finds no rest among sleepers wakes them, so that they make room.
 
 use glam::DVec2;
 
 use super::holds::Given;
+use super::loads::Resting;
 use super::stripes::Stripes;
-use super::support::let_go;
-use super::{Body, Contact, Setting};
+use super::thrown::THROWN;
+use super::{Body, Contact};
 
 /// Seconds that a ball must have rested for.
 const WINDOW: f64 = 0.5;
@@ -18,18 +19,19 @@ const WINDOW: f64 = 0.5;
 const LEAST_WINDOW: u64 = 32;
 /// A ball rests where it has drifted slower than this, in kicks of gravity (the speed that gravity gives in a substep).
 const DRIFT: f64 = 0.25;
-/// ... and where what acts on it is in balance up to this part of its weight and of all that presses on it.
-const EVEN: f64 = 0.15;
 /// A ball that overlaps another by more than this part of the smaller radius is not at rest.
 const DEEP: f64 = 0.05;
 /// What swings may be where it was when the window ends, but not after so many eighths of it, too.
 const EIGHTHS: u64 = 3;
+/// A ball that has had no rest when this was looked at so often wakes those that hold it.
+const RESTLESS: u32 = 4;
 /// A ball wakes where what acts on it differs from balance by more than this part of its weight ...
 const WEIGHT: f64 = 0.5;
 /// ... and this part of all that presses on it.
 const PRESS: f64 = 0.25;
-/// What acts on a ball that wakes goes on acting if it differs from balance by less than so many kicks of gravity.
-const WARM: f64 = 300.0;
+/// What acts on a ball that wakes goes on acting unless it would throw it, or presses on it with more than so many kicks of
+/// gravity: what little of more turns aside would shoot it away.
+const SQUEEZED: f64 = 1e4;
 /// A ball wakes where it loses a support, or a load, of more than this part of its weight.
 const LOST: f64 = 0.1;
 
@@ -43,11 +45,16 @@ pub(super) struct Rest {
     anchor: DVec2,
     /// Whether it was elsewhere in the meantime.
     swung: bool,
+    /// Where it was a substep before its rest is looked at, and whether it was hit then.
+    last: (DVec2, bool),
+    /// How often its rest was looked at, and it had none, since it last slept, or woke those that hold it.
+    restless: u32,
 }
 
 impl Rest {
     pub(super) fn new(body: &Body) -> Self {
-        Self { asleep: false, inverse_mass: body.inverse_mass, anchor: body.position, swung: false }
+        let (inverse_mass, place) = (body.inverse_mass, body.position);
+        Self { asleep: false, inverse_mass, anchor: place, swung: false, last: (place, false), restless: 0 }
     }
 }
 
@@ -61,6 +68,7 @@ impl Contact {
         match self.steps % window {
             0 => self.put_to_sleep(window),
             step if step == window * EIGHTHS / 8 => self.find_swinging(window),
+            step if step == window - 1 => self.note_places(),
             _ => {}
         }
     }
@@ -78,30 +86,47 @@ impl Contact {
         }
     }
 
+    /// Notes where balls are a substep before their rest is looked at.
+    fn note_places(&mut self) {
+        for (at, (rest, body)) in self.rests.iter_mut().zip(&self.bodies).enumerate() {
+            rest.last = (body.position, self.course.was_hit(at));
+        }
+    }
+
     /// Puts those to sleep that have rested since that was last looked at.
     fn put_to_sleep(&mut self, window: u64) {
         self.find_held();
         self.release_deep();
         let drift = self.drift(window);
-        let Self { setting, bodies, rests, near: Some(near), held, .. } = self else { return };
+        let Self { setting, bodies, rests, near: Some(near), held, course, .. } = self else { return };
+        let step = setting.kick.length() * setting.substep;
+        let still = |at: usize, body: &Body, rest: &Rest| {
+            // One that was hit just now has not gone far either. But one that others squeeze may be hit all the time, and
+            // have a velocity that takes it nowhere.
+            let (last, was_hit) = rest.last;
+            let slow = body.velocity.length_squared() < setting.kick.length_squared()
+                || (body.position.distance_squared(last) < step * step && (was_hit || !course.was_hit(at)));
+            slow && !rest.swung && body.position.distance_squared(rest.anchor) < drift * drift
+        };
+        let still: Vec<bool> =
+            bodies.iter().zip(&*rests).enumerate().map(|(at, (body, rest))| still(at, body, rest)).collect();
         near.link_pairs(bodies.len());
-        let stripes = near.all();
+        let loads = Resting { setting, bodies, rests, held, stripes: near.all() }.loads(&still);
         for (at, (body, rest)) in bodies.iter_mut().zip(&mut *rests).enumerate() {
-            // One that was hit just now has not gone far either.
-            let slow = body.velocity.length_squared() < setting.kick.length_squared();
-            let still = slow && !rest.swung && body.position.distance_squared(rest.anchor) < drift * drift;
             (rest.anchor, rest.swung) = (body.position, false);
-            if still
-                && rest.inverse_mass > 0.0
-                && !rest.asleep
-                && is_balanced(at, body, rest, held[at], &stripes, setting)
-            {
-                rest.asleep = true;
+            if rest.asleep || rest.inverse_mass == 0.0 {
+                continue;
+            }
+            rest.restless += 1;
+            if still[at] && loads.bears[at] {
+                (rest.asleep, rest.restless) = (true, 0);
                 body.inverse_mass = 0.0;
                 (body.velocity, body.free) = (DVec2::ZERO, DVec2::ZERO);
             }
         }
         near.weigh_all(bodies);
+        near.take_loads(&loads, rests);
+        self.wake_around_restless();
         self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.inverse_mass == 0.0);
     }
 
@@ -116,25 +141,42 @@ impl Contact {
             let given = near.all().given(at, rests[at].inverse_mass);
             wake(at, &given, setting.kick, bodies, rests, &mut near.all());
         }
+        self.wake_unbalanced();
     }
 
     /// Counts bodies that overlap others deeply as not held.
     fn release_deep(&mut self) {
         let Self { bodies, near: Some(near), held, .. } = self else { return };
-        for (number, stripe) in near.stripes.iter().enumerate() {
-            let start = near.layout.start(number);
-            for pair in &stripe.pairs {
-                let (i, j) = (start + pair.first as usize, start + pair.second as usize);
-                let (first, second) = (&bodies[i], &bodies[j]);
-                let reach = first.radius + second.radius - DEEP * first.radius.min(second.radius);
-                if first.position.distance_squared(second.position) < reach * reach {
-                    (held[i], held[j]) = (false, false);
-                }
+        for (i, j) in near.pairs() {
+            let (first, second) = (&bodies[i], &bodies[j]);
+            let reach = first.radius + second.radius - DEEP * first.radius.min(second.radius);
+            if first.position.distance_squared(second.position) < reach * reach {
+                (held[i], held[j]) = (false, false);
             }
         }
     }
 
-    /// Wakes those at the border of sleep that are not balanced any more.
+    /// Wakes those that hold a ball which has not come to rest for long: between balls that do not give way
+    /// one that is squeezed may overlap them, or rattle, for ever.
+    fn wake_around_restless(&mut self) {
+        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
+        let stripes = &mut near.all();
+        for at in 0..rests.len() {
+            if rests[at].restless < RESTLESS {
+                continue;
+            }
+            rests[at].restless = 0;
+            for other in stripes.holders(at).map(|holder| holder.other).collect::<Vec<_>>() {
+                if rests[other].asleep {
+                    let given = stripes.given(other, rests[other].inverse_mass);
+                    wake_after_substep(other, &given, setting.kick, bodies, rests, stripes);
+                }
+            }
+        }
+        self.wake_unbalanced();
+    }
+
+    /// Wakes those at the border of sleep that are not balanced any more, and those that this disturbs.
     pub(super) fn wake_unbalanced(&mut self) {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
         if near.stripes.iter().all(|stripe| stripe.disturbed.is_empty()) {
@@ -142,44 +184,39 @@ impl Contact {
         }
         near.link_pairs(bodies.len());
         let kick = setting.kick;
-        for number in 0..near.stripes.len() {
-            let start = near.layout.start(number);
-            let mut disturbed = std::mem::take(&mut near.stripes[number].disturbed);
-            for (body, lost) in disturbed.drain(..) {
-                let at = start + body as usize;
-                if !rests[at].asleep {
-                    continue;
-                }
-                let given = near.all().given(at, rests[at].inverse_mass);
-                // What lost a support moves, however hard the others press.
-                let pressed =
-                    if lost * rests[at].inverse_mass > LOST * kick.length() { 0.0 } else { given.pressed };
-                let tolerance = WEIGHT * kick.length() + PRESS * pressed;
-                if (given.velocity + kick).length_squared() > tolerance * tolerance {
-                    // As if it had been held like this in the substep that is over.
-                    bodies[at].free = -wake(at, &given, kick, bodies, rests, &mut near.all());
+        let layout = near.layout;
+        let stripes = &mut near.all();
+        while stripes.list.iter().any(|stripe| !stripe.disturbed.is_empty()) {
+            for number in 0..layout.len() {
+                while let Some((body, lost)) = stripes.list[number].disturbed.pop() {
+                    let at = layout.start(number) + body as usize;
+                    if !rests[at].asleep {
+                        continue;
+                    }
+                    let given = stripes.given(at, rests[at].inverse_mass);
+                    // What lost a support moves, however hard the others press.
+                    let lost_much = lost * rests[at].inverse_mass > LOST * kick.length();
+                    let pressed = if lost_much { 0.0 } else { given.pressed };
+                    let tolerance = WEIGHT * kick.length() + PRESS * pressed;
+                    if (given.velocity + kick).length_squared() > tolerance * tolerance {
+                        wake_after_substep(at, &given, kick, bodies, rests, stripes);
+                    }
                 }
             }
-            near.stripes[number].disturbed = disturbed;
         }
     }
 }
 
-impl Stripes<'_> {
-    /// Forgets what others and walls give a ball. Its pairs must be linked.
-    fn let_go_of(&mut self, body: usize, bodies: &mut [Body]) {
-        for number in self.layout.of_body(body) {
-            let start = self.layout.start(number);
-            let (stripe, own) = (&mut self.list[number], (body - start) as u32);
-            let mut cursor = stripe.links.begin(own);
-            while let Some(at) = stripe.links.next(&mut cursor) {
-                let_go(&mut bodies[start..], stripe.pairs[at], &mut stripe.holds[at]);
-            }
-            if let Some(at) = stripe.place_beside(own) {
-                stripe.beside[at].push = DVec2::ZERO;
-            }
-        }
-    }
+/// Wakes a ball, at rest, once a substep is over, as if it had been held like this in it.
+fn wake_after_substep(
+    at: usize,
+    given: &Given,
+    kick: DVec2,
+    bodies: &mut [Body],
+    rests: &mut [Rest],
+    stripes: &mut Stripes<'_>,
+) {
+    bodies[at].free = -wake(at, given, kick, bodies, rests, stripes);
 }
 
 /// Wakes a ball, at rest, and tells what of that which it is `given` goes on: nothing where it would be shot away. Its
@@ -196,32 +233,13 @@ fn wake(
     (rest.asleep, rest.anchor) = (false, bodies[at].position);
     bodies[at].inverse_mass = rest.inverse_mass;
     stripes.weigh_pairs_of(at, bodies);
-    if (given.velocity + kick).length() < WARM * kick.length() {
+    let (moves, pressed) = ((given.velocity + kick).length(), given.pressed);
+    if moves < THROWN * kick.length() && pressed < SQUEEZED * kick.length() {
         given.velocity
     } else {
         stripes.let_go_of(at, bodies);
         DVec2::ZERO
     }
-}
-
-/// Whether what holds a ball balances its weight. A wall on which it lies, or hops less high than gravity takes it in a
-/// substep, holds it as it must.
-fn is_balanced(
-    at: usize,
-    body: &Body,
-    rest: &Rest,
-    held: bool,
-    stripes: &Stripes<'_>,
-    setting: &Setting,
-) -> bool {
-    let given = stripes.given(at, rest.inverse_mass);
-    let below = setting.size - body.radius - body.position;
-    let above = body.position - body.radius;
-    let gap = DVec2::select(setting.kick.cmpgt(DVec2::ZERO), below, above);
-    let beside = DVec2::splat(f64::from(u8::from(stripes.is_beside(at))));
-    let grounded = gap.cmplt(setting.kick.abs() * setting.substep * beside);
-    let left = DVec2::select(grounded, DVec2::ZERO, given.velocity + setting.kick);
-    (held || grounded.any()) && left.length() < EVEN * (setting.kick.length() + given.pressed)
 }
 
 /// Wakes a ball that something hits firmly, in the midst of a substep.

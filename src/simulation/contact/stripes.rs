@@ -9,6 +9,7 @@ use super::holds::{Beside, Given, Hold, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Heights, Links};
 use super::support::Floor;
+use super::take_up::Turned;
 use super::{Body, DVec2};
 
 /// The place of a ball that is not beside a wall.
@@ -39,6 +40,9 @@ pub(super) struct Stripe {
     places_beside: Vec<u32>,
     /// The pairs that are held apart in a substep, in the order in which they were looked at.
     pub(super) touching: Vec<u32>,
+    /// For each of them, how far apart their balls are, px, and what turning their holds changes, where places alone tell.
+    pub(super) distances: Vec<f64>,
+    pub(super) turned: Vec<Option<Turned>>,
     /// What carries the ball that is looked at.
     pub(super) floors: Vec<Floor>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
@@ -52,6 +56,8 @@ pub(super) struct Stripe {
     pub(super) left_bodies: Vec<u32>,
     /// Balls that were kept from going where they are not covered.
     pub(super) strays: Vec<u32>,
+    /// Balls that what held them has thrown.
+    pub(super) thrown: Vec<u32>,
     /// How many are about to go where they are not covered.
     pub(super) leaving: usize,
     /// Whether any of its bodies is fast.
@@ -140,6 +146,17 @@ impl Stripe {
     }
 }
 
+/// Another ball that holds one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Holder {
+    /// The stripe that their pair belongs to, and its place there.
+    pub(super) number: usize,
+    pub(super) at: usize,
+    pub(super) other: usize,
+    /// The direction in which it pushes.
+    pub(super) normal: DVec2,
+}
+
 /// All stripes, or one by itself.
 #[derive(Debug)]
 pub(super) struct Stripes<'a> {
@@ -165,6 +182,21 @@ impl Stripes<'_> {
             }
         }
         given
+    }
+
+    /// What holds a ball, but for walls. Its pairs must be linked.
+    pub(super) fn holders(&self, body: usize) -> impl Iterator<Item = Holder> {
+        self.layout.of_body(body).flat_map(move |number| {
+            let (stripe, start) = (&self.list[number], self.layout.start(number));
+            stripe.links.of((body - start) as u32).filter(|&at| stripe.holds[at].impulse > 0.0).map(
+                move |at| {
+                    let (pair, normal) = (stripe.pairs[at].from(start), stripe.holds[at].normal);
+                    let (first, second) = (pair.first as usize, pair.second as usize);
+                    let (other, normal) = if first == body { (second, normal) } else { (first, -normal) };
+                    Holder { number, at, other, normal }
+                },
+            )
+        })
     }
 
     /// Whether a ball may touch a wall.

@@ -10,29 +10,24 @@
 
 use glam::DVec2;
 
-use super::super::impulse::COINCIDENT_NORMAL;
 use super::find::{FEW, Near};
 use super::holds::{Hold, Pair};
-use super::impacts::{Fate, Shift};
+use super::impacts::Fate;
 use super::layout::Layer;
 use super::sleep::Rest;
 use super::stripes::{Stripe, of_layer};
 use super::wall_support::{hold_on_walls, relax_on_walls};
 use super::{Body, Contact, Setting};
 
-/// Pairs farther apart than this part of their radii, and not closing in, are left out of a substep.
-const APART: f64 = 0.01;
 /// The part of an overlap that is taken away in a substep.
-const MENDED: f64 = 0.3;
+pub(super) const MENDED: f64 = 0.3;
 /// How much an impulse gives way, as a part of itself. With [`MENDED`] it makes contacts springs that are damped more
 /// than enough: a pair that carries the weight of N balls of its own mass overlaps by about N·g·h²·SOFT/MENDED.
 const SOFT: f64 = 0.006;
 /// What is left of an impulse that gives way.
-const YIELDING: f64 = 1.0 / (1.0 + SOFT);
-/// The part of what was given along earlier directions that is let go in a substep.
-const LOOSENED: f64 = 0.02;
-/// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
-const STEADY: f64 = 0.03;
+pub(super) const YIELDING: f64 = 1.0 / (1.0 + SOFT);
+/// The same where few of many are awake: what sleepers squeeze would overlap them too deeply to sleep, too.
+const YIELDING_OF_FEW: f64 = 1.0 / (1.0 + 0.25 * SOFT);
 /// The part of slow sliding of balls that press on each other that is taken away in a substep.
 const DAMPED: f64 = 0.1;
 /// Rounds over the pairs of one ball, where each may undo some of what the others did.
@@ -58,13 +53,17 @@ impl Contact {
             stripe.take_up_all(setting, bodies);
             stripe.unsettled = true;
         });
-        let (rounds, settled) = match self.bodies.len() {
+        let stripes = self.near.iter().flat_map(|near| &near.stripes);
+        let touching: usize = stripes.map(|stripe| stripe.touching.len()).sum();
+        let (rounds, settled, left) = match self.bodies.len() {
             // Nothing presses: overlaps are only moved out of.
-            _ if self.setting.kick == DVec2::ZERO => (1, SETTLED),
+            _ if self.setting.kick == DVec2::ZERO => (1, SETTLED, YIELDING),
             // It does not settle before there is room again.
-            _ if self.near.as_ref().is_some_and(|near| near.crowd) => (1, SETTLED),
-            ..=FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW),
-            _ => (ROUNDS, SETTLED),
+            _ if self.near.as_ref().is_some_and(|near| near.crowd) => (1, SETTLED, YIELDING),
+            ..=FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, YIELDING),
+            // As many as few balls may have: the others fly, or sleep.
+            _ if touching <= 3 * FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, YIELDING_OF_FEW),
+            _ => (ROUNDS, SETTLED, YIELDING),
         };
         let most = settled / self.setting.substep;
         for round in 1..=rounds {
@@ -75,7 +74,7 @@ impl Contact {
                 }
                 for &at in stripe.touching.iter().rev() {
                     let (pair, hold) = (stripe.pairs[at as usize], &mut stripe.holds[at as usize]);
-                    stripe.unsettled |= hold_apart(bodies.bodies, pair, hold, YIELDING) > most;
+                    stripe.unsettled |= hold_apart(bodies.bodies, pair, hold, left) > most;
                 }
                 stripe.unsettled |= hold_on_walls(setting, bodies.bodies, &mut stripe.beside) > most;
             });
@@ -90,7 +89,7 @@ impl Contact {
                 hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
                 for &at in &stripe.touching {
                     let (pair, hold) = (stripe.pairs[at as usize], &mut stripe.holds[at as usize]);
-                    hold_apart(bodies.bodies, pair, hold, YIELDING);
+                    hold_apart(bodies.bodies, pair, hold, left);
                 }
             });
         }
@@ -135,10 +134,10 @@ impl Contact {
 }
 
 /// The bodies of a stripe, and what is known of them.
-struct Share<'a> {
-    bodies: &'a mut [Body],
-    fates: &'a [Fate],
-    rests: &'a [Rest],
+pub(super) struct Share<'a> {
+    pub(super) bodies: &'a mut [Body],
+    pub(super) fates: &'a [Fate],
+    pub(super) rests: &'a [Rest],
 }
 
 impl Stripe {
@@ -152,63 +151,27 @@ impl Stripe {
         }
     }
 
-    /// Looks at all pairs anew, and holds those apart that are close.
-    #[expect(clippy::needless_bitwise_bool, reason = "a branch there cannot be foreseen by a processor")]
-    fn take_up_all(&mut self, setting: &Setting, Share { bodies, fates, rests }: &mut Share<'_>) {
-        let Self { pairs, holds, held, live, idle, close, touching, disturbed, .. } = self;
-        // They are gathered first, without a branch.
-        touching.resize(pairs.len(), 0);
-        let mut count = 0;
-        for (at, ((&close, &live), &idle)) in (0..).zip(close.iter().zip(&*live).zip(&*idle)) {
-            touching[count] = at;
-            count += usize::from((close | live) & !idle);
-        }
-        let mut kept = 0;
-        for place in 0..count {
-            let at = touching[place] as usize;
-            let (pair, hold) = (&pairs[at], &mut holds[at]);
-            let shift = fates[pair.first as usize].shift.max(fates[pair.second as usize].shift);
-            let carried = hold.impulse;
-            // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
-            let torn = shift == Shift::Far;
-            if torn && hold.impulse > 0.0 {
-                let_go(bodies, *pair, hold);
-            }
-            let near = !torn && take_up(setting, bodies, *pair, hold, shift == Shift::Some);
-            touching[kept] = at as u32;
-            kept += usize::from(near);
-            live[at] = near;
-            let holds = near && (hold.met || hold.impulse > 0.0);
-            if held[at] || holds {
-                for body in [pair.first, pair.second] {
-                    // What sleeps is seen at the body, which is at hand.
-                    if bodies[body as usize].inverse_mass == 0.0 && rests[body as usize].asleep {
-                        disturbed.push((body, if holds { 0.0 } else { carried }));
-                    }
-                }
-            }
-            held[at] = holds;
-            hold.met = false;
-        }
-        touching.truncate(kept);
-    }
-
     /// Stops what still sinks, from the ground up.
     fn carry_all(&mut self, bodies: &mut [Body]) {
         let Self { pairs, holds, touching, floors, .. } = self;
         let mut rest = &touching[..];
         while let Some(&at) = rest.first() {
             let upper = pairs[at as usize].first;
-            floors.clear();
-            for &at in rest {
-                let pair = pairs[at as usize];
-                if pair.first != upper {
-                    break;
-                }
-                floors.push(Floor::of(&holds[at as usize], &bodies[pair.second as usize]));
+            let count = rest.iter().take_while(|&&at| pairs[at as usize].first == upper).count();
+            let (its, others) = rest.split_at(count);
+            let body = upper as usize;
+            let floor =
+                |&at: &u32| Floor::of(&holds[at as usize], &bodies[pairs[at as usize].second as usize]);
+            // Most lie on two.
+            if let [one, other] = its {
+                let both = [floor(one), floor(other)];
+                carry(&mut bodies[body], &both);
+            } else {
+                floors.clear();
+                floors.extend(its.iter().map(floor));
+                carry(&mut bodies[body], floors);
             }
-            rest = &rest[floors.len()..];
-            carry(&mut bodies[upper as usize], floors);
+            rest = others;
         }
     }
 
@@ -250,100 +213,14 @@ fn carry(body: &mut Body, floors: &[Floor]) {
         return;
     }
     let mut velocity = body.velocity;
-    // Nothing undoes what a single pair did.
+    // Nothing undoes what a single pair did. No branch: what still sinks cannot be foreseen by a processor.
     for _ in 0..if floors.len() == 1 { 1 } else { INNER } {
-        let before = velocity;
         for floor in floors {
-            let most = floor.least - velocity.dot(floor.up);
-            if most > 0.0 {
-                velocity += floor.up * most;
-            }
-        }
-        if velocity == before {
-            break;
+            velocity += floor.up * (floor.least - velocity.dot(floor.up)).max(0.0);
         }
     }
     body.free += velocity - body.velocity;
     body.velocity = velocity;
-}
-
-/// Looks at a pair anew: its direction and distance. Whether it is close enough to be held apart; then it is, once.
-/// Where one of them is shifted by an impact, its place says nothing of overlaps.
-#[inline]
-fn take_up(setting: &Setting, bodies: &mut [Body], pair: Pair, hold: &mut Hold, shifted: bool) -> bool {
-    let (first, second) = two(bodies, pair);
-    let offset = first.position - second.position;
-    let squared = offset.length_squared();
-    let reach = first.radius + second.radius;
-    let end = offset + (first.velocity - second.velocity) * setting.substep;
-    let near = (1.0 + 2.0 * APART) * reach * reach;
-    if hold.impulse == 0.0 && squared.min(end.length_squared()) > near {
-        return false;
-    }
-    let gap = squared.sqrt() - reach;
-    let end_apart = end.length_squared() > reach * reach;
-    // One that was hit stands where it would have come from: what they part by themselves is no overlap.
-    let elsewhere = shifted || hold.met;
-    let apart = gap > 0.0 || (elsewhere && end_apart);
-    if apart && end_apart && hold.impulse == 0.0 {
-        // They pass each other as they go now, and circles curve away from the tangent where they are: one where they
-        // will be brakes nothing, unless others turn them.
-        let normal = end.normalize();
-        turn(hold, normal, first, second);
-        hold.least = (reach - offset.dot(normal)) / setting.substep;
-        return true;
-    }
-    let normal = if squared < f64::MIN_POSITIVE { COINCIDENT_NORMAL } else { offset / squared.sqrt() };
-    turn(hold, normal, first, second);
-    hold.least = if apart {
-        -gap.max(0.0) / setting.substep
-    } else {
-        let deep = if setting.kick == DVec2::ZERO || elsewhere {
-            (reach - end.length()).clamp(0.0, -gap)
-        } else {
-            -gap
-        };
-        if setting.kick == DVec2::ZERO {
-            // Nothing presses them together again: they are moved, and need no velocity.
-            let way = normal * (MENDED * deep * hold.mass);
-            first.position += way * first.inverse_mass;
-            second.position -= way * second.inverse_mass;
-            0.0
-        } else {
-            (MENDED * deep / setting.substep).min(setting.mending * reach)
-        }
-    };
-    press(hold, first, second, YIELDING);
-    true
-}
-
-/// Turns a hold into another direction.
-///
-/// What was given along the old one turns into the new one within a few substeps, as if the balls gripped each other a
-/// little: that works against the motion that turns it, and lets piles come to rest. Where the direction turns by more
-/// in a substep, or nothing presses any more, nothing is left of it.
-#[inline]
-fn turn(hold: &mut Hold, normal: DVec2, first: &mut Body, second: &mut Body) {
-    let given = hold.normal * hold.impulse + hold.grip;
-    let steady = (normal - hold.normal).length_squared() < STEADY * STEADY;
-    if steady && hold.impulse > 0.0 {
-        hold.grip = (given - normal * hold.impulse) * (1.0 - LOOSENED);
-    } else {
-        (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
-    }
-    let more = normal * hold.impulse + hold.grip - given;
-    first.velocity += more * first.inverse_mass;
-    second.velocity -= more * second.inverse_mass;
-    hold.normal = normal;
-}
-
-/// Forgets how two balls held each other. What that has given them stays, as if it had been an impact.
-pub(super) fn let_go(bodies: &mut [Body], pair: Pair, hold: &mut Hold) {
-    let given = hold.normal * hold.impulse + hold.grip;
-    let (first, second) = two(bodies, pair);
-    first.free += given * first.inverse_mass;
-    second.free -= given * second.inverse_mass;
-    (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
 }
 
 /// Takes a part of the velocity with which two balls that press on each other slide along each other, where that is
@@ -376,18 +253,24 @@ fn hold_apart(bodies: &mut [Body], pair: Pair, hold: &mut Hold, left: f64) -> f6
 /// Brings a pair's impulse to where both part with the least velocity, or to 0. Of a soft one only a part is `left`, so
 /// that what they overlap by, in the end, follows what they carry.
 #[inline]
-fn press(hold: &mut Hold, first: &mut Body, second: &mut Body, left: f64) {
+pub(super) fn press(hold: &mut Hold, first: &mut Body, second: &mut Body, left: f64) {
     let parting = (first.velocity - second.velocity).dot(hold.normal);
     let impulse = ((hold.impulse - (parting - hold.least) * hold.mass) * left).max(0.0);
     let push = hold.normal * (impulse - hold.impulse);
     hold.impulse = impulse;
-    first.velocity += push * first.inverse_mass;
-    second.velocity -= push * second.inverse_mass;
+    give(push, first, second);
+}
+
+/// Gives the first of two balls an impulse, and the second its opposite.
+#[inline]
+pub(super) fn give(impulse: DVec2, first: &mut Body, second: &mut Body) {
+    first.velocity += impulse * first.inverse_mass;
+    second.velocity -= impulse * second.inverse_mass;
 }
 
 /// Both bodies of a pair.
 #[inline]
-fn two(bodies: &mut [Body], pair: Pair) -> (&mut Body, &mut Body) {
+pub(super) fn two(bodies: &mut [Body], pair: Pair) -> (&mut Body, &mut Body) {
     let both = bodies.get_disjoint_mut([pair.first as usize, pair.second as usize]);
     let [first, second] = both.expect("a pair is of two balls");
     (first, second)
