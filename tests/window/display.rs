@@ -81,7 +81,11 @@ impl Display {
     }
 
     pub fn open_scaled(&self, args: &[&str], scale: &str) -> Window<'_> {
-        self.open_talking(&[args, &["--quiet"]].concat(), scale)
+        let mut window = self.open_talking(&[args, &["--quiet"]].concat(), scale);
+        if args.contains(&"--paused") {
+            window.still_screenshot();
+        }
+        window
     }
 
     /// A window as users open it.
@@ -216,6 +220,17 @@ impl Window<'_> {
         self.wait("two seconds in which the processor is left alone", |window| used(window) <= 0.04);
         let used = used(self);
         assert!(used <= 0.04, "{used} s of processor time in 2 s, after it was idle");
+    }
+
+    /// Of a window whose picture stands still. A picture comes to the screen in parts: one that has just begun to be shown
+    /// may be half of it.
+    pub fn still_screenshot(&mut self) -> Screenshot {
+        let mut last = self.screenshot();
+        self.wait("the same picture twice", |window| {
+            let before = std::mem::replace(&mut last, window.screenshot());
+            last.0 == before.0
+        });
+        last
     }
 
     /// Waits until the picture stands still, and checks that it stays so.

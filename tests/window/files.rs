@@ -85,7 +85,7 @@ fn a_saved_scene_opens_as_it_was_seen() {
     window.key("space");
     window.wait_title("paused");
     let balls = saved_balls(&mut window, "elastic", 1);
-    let seen = window.screenshot();
+    let seen = window.still_screenshot();
     window.key("Escape");
     let folder = window.keep_folder();
     let path = folder.path().join("carom-elastic-1.toml");

@@ -18,7 +18,7 @@ fn left_goes_back_frame_by_frame_and_right_shows_the_same_again() {
         window.key("Right");
         let before = seen.last().unwrap().0.clone();
         window.wait("a step", |window| window.screenshot().0 != before);
-        seen.push(window.screenshot());
+        seen.push(window.still_screenshot());
     }
     for expected in seen.iter().rev().skip(1) {
         window.key("Left");
@@ -61,7 +61,7 @@ fn shift_and_right_go_to_the_next_impact_each_time() {
     let display = Display::start();
     let mut window = display.open(&["elastic", "--paused"]);
     for _ in 0..7 {
-        let before = window.screenshot();
+        let before = window.still_screenshot();
         window.key("shift+Right");
         window.wait("a step", |window| window.screenshot().0 != before.0);
     }
