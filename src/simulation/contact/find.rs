@@ -7,7 +7,7 @@ use glam::{DVec2, Vec2Swizzles};
 
 use super::super::grid::{Grid, touch};
 use super::cover::{Covered, Home};
-use super::holds::{Beside, Hold, Pair};
+use super::holds::{Beside, Hold, Mark, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Kept, Known};
 use super::sleep::Rest;
@@ -306,7 +306,7 @@ impl Near {
         team.each(stripes.iter_mut().enumerate(), |(number, stripe)| {
             let start = layout.start(number).min(bodies.len());
             let bodies = &bodies[start..start + layout.count(number, bodies.len())];
-            let Stripe { pairs, holds, held, live, close, heights, .. } = &mut *stripe;
+            let Stripe { pairs, holds, marks, heights, .. } = &mut *stripe;
             if layout.is_cut() {
                 for part in gathered {
                     pairs.extend_from_slice(&part.parted[number]);
@@ -319,11 +319,13 @@ impl Near {
             if setting.kick != DVec2::ZERO && !pairs.is_empty() {
                 heights.sort(pairs, bodies, -setting.kick.normalize_or_zero());
             }
-            close.resize(pairs.len(), true);
+            marks.resize(pairs.len(), Mark { held: false, live: false, close: true, idle: false });
             if setting.can_rest {
                 holds.extend(pairs.iter().map(|pair| kept.by_ball(pair.from(start)).unwrap_or(Hold::NONE)));
-                held.extend(holds.iter().map(|hold| hold.impulse > 0.0));
-                live.clone_from(held);
+                for (mark, hold) in marks.iter_mut().zip(&*holds) {
+                    mark.held = hold.impulse > 0.0;
+                    mark.live = mark.held;
+                }
             }
             stripe.weigh_all(bodies);
         });

@@ -40,6 +40,21 @@ impl Hold {
         Self { impulse: 0.0, normal: DVec2::ZERO, grip: DVec2::ZERO, least: 0.0, met: false, mass: 0.0 };
 }
 
+/// What is to be done with a pair.
+#[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_excessive_bools, reason = "each is asked by itself")]
+pub(super) struct Mark {
+    /// Whether the two pressed on each other, or met, in the last substep.
+    pub(super) held: bool,
+    /// Whether its hold was looked after in the last substep, pressed or not, or the two have met since. The impulse of
+    /// others is 0.
+    pub(super) live: bool,
+    /// Whether they may come close enough in this substep to be held apart.
+    pub(super) close: bool,
+    /// Whether neither of them can be moved.
+    pub(super) idle: bool,
+}
+
 /// What holds a ball in a substep, px/s.
 pub(super) struct Given {
     /// The sum.

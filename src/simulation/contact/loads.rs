@@ -183,7 +183,7 @@ impl Near {
     pub(super) fn take_loads(&mut self, loads: &Loads, rests: &[Rest]) {
         for Passed { to: Holder { number, at, .. }, impulse, .. } in &loads.by_balls {
             // What is awake finds its own.
-            if self.stripes[*number].idle[*at] {
+            if self.stripes[*number].marks[*at].idle {
                 self.stripes[*number].holds[*at].impulse += impulse;
             }
         }

@@ -5,11 +5,11 @@ use std::collections::BinaryHeap;
 
 use super::super::Tally;
 use super::events::Event;
-use super::holds::{Beside, Given, Hold, Pair};
+use super::holds::{Beside, Given, Hold, Mark, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Heights, Links};
 use super::support::Floor;
-use super::take_up::Turned;
+use super::take_up::Lie;
 use super::{Body, DVec2};
 
 /// The place of a ball that is not beside a wall.
@@ -23,26 +23,20 @@ pub(super) struct Stripe {
     pub(super) pairs: Vec<Pair>,
     /// For each pair, how it is held apart; empty where nothing rests.
     pub(super) holds: Vec<Hold>,
-    /// For each hold, whether the two pressed on each other, or met, in the last substep.
-    pub(super) held: Vec<bool>,
-    /// For each hold, whether it was looked after in the last substep, pressed or not, or its pair has met since. The
-    /// impulse of others is 0.
-    pub(super) live: Vec<bool>,
-    /// For each pair, whether it may come close enough in this substep to be held apart.
-    pub(super) close: Vec<bool>,
-    /// For each pair, whether neither of its balls can be moved.
-    pub(super) idle: Vec<bool>,
+    /// For each pair, what is to be done with it.
+    pub(super) marks: Vec<Mark>,
     pub(super) links: Links,
     pub(super) heights: Heights,
     /// Bodies of this stripe, no seam, that may touch a wall.
     pub(super) beside: Vec<Beside>,
     /// For each body its place among them, or [`NOWHERE`].
     places_beside: Vec<u32>,
-    /// The pairs that are held apart in a substep, in the order in which they were looked at.
+    /// The pairs that are held apart in a substep.
     pub(super) touching: Vec<u32>,
-    /// For each of them, how far apart their balls are, px, and what turning their holds changes, where places alone tell.
-    pub(super) distances: Vec<f64>,
-    pub(super) turned: Vec<Option<Turned>>,
+    /// Where the pairs of each upper ball end among them, after a 0.
+    pub(super) uppers: Vec<u32>,
+    /// For each of those that may have to be, how its balls lie at the substep's beginning.
+    pub(super) lies: Vec<Lie>,
     /// What carries the ball that is looked at.
     pub(super) floors: Vec<Floor>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
@@ -71,13 +65,10 @@ pub(super) struct Stripe {
 impl Stripe {
     /// Forgets all pairs and walls.
     pub(super) fn clear(&mut self, count: usize) {
-        let Self { pairs, holds, held, live, idle, close, links, beside, places_beside, .. } = self;
+        let Self { pairs, holds, marks, links, beside, places_beside, .. } = self;
         pairs.clear();
         holds.clear();
-        held.clear();
-        live.clear();
-        idle.clear();
-        close.clear();
+        marks.clear();
         links.clear();
         beside.clear();
         places_beside.clear();
@@ -109,12 +100,9 @@ impl Stripe {
     /// Adds a pair, which may press in a stripe where things rest.
     pub(super) fn add_pair(&mut self, pair: Pair, give: f64, can_rest: bool) {
         self.pairs.push(pair);
-        self.idle.push(give == 0.0);
-        self.close.push(true);
+        self.marks.push(Mark { held: false, live: false, close: true, idle: give == 0.0 });
         if can_rest {
             self.holds.push(Hold { mass: give.recip(), ..Hold::NONE });
-            self.held.push(false);
-            self.live.push(false);
         }
     }
 
@@ -122,7 +110,7 @@ impl Stripe {
     pub(super) fn note_met(&mut self, at: usize, after: bool) {
         if let Some(hold) = self.holds.get_mut(at) {
             hold.met |= after;
-            self.live[at] = true;
+            self.marks[at].live = true;
         }
     }
 
@@ -131,7 +119,7 @@ impl Stripe {
     pub(super) fn weigh(&mut self, at: usize, bodies: &[Body]) {
         let pair = self.pairs[at];
         let give = bodies[pair.first as usize].inverse_mass + bodies[pair.second as usize].inverse_mass;
-        self.idle[at] = give == 0.0;
+        self.marks[at].idle = give == 0.0;
         if let Some(hold) = self.holds.get_mut(at) {
             hold.mass = give.recip();
         }
@@ -139,7 +127,6 @@ impl Stripe {
 
     /// The same for all pairs.
     pub(super) fn weigh_all(&mut self, bodies: &[Body]) {
-        self.idle.resize(self.pairs.len(), false);
         for at in 0..self.pairs.len() {
             self.weigh(at, bodies);
         }

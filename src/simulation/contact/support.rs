@@ -72,11 +72,9 @@ impl Contact {
                 if !std::mem::take(&mut stripe.unsettled) {
                     return;
                 }
-                for &at in stripe.touching.iter().rev() {
-                    let (pair, hold) = (stripe.pairs[at as usize], &mut stripe.holds[at as usize]);
-                    stripe.unsettled |= hold_apart(bodies.bodies, pair, hold, left) > most;
-                }
-                stripe.unsettled |= hold_on_walls(setting, bodies.bodies, &mut stripe.beside) > most;
+                let pressed = stripe.press_inward(bodies.bodies, left, most);
+                let held = hold_on_walls(setting, bodies.bodies, &mut stripe.beside) > most;
+                stripe.unsettled = pressed || held;
             });
             let unsettled = |near: &Near| near.stripes.iter().any(|stripe| stripe.unsettled);
             if round == rounds || !self.near.as_ref().is_some_and(unsettled) {
@@ -87,10 +85,7 @@ impl Contact {
                     return;
                 }
                 hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
-                for &at in &stripe.touching {
-                    let (pair, hold) = (stripe.pairs[at as usize], &mut stripe.holds[at as usize]);
-                    hold_apart(bodies.bodies, pair, hold, left);
-                }
+                stripe.press_outward(bodies.bodies, left);
             });
         }
         // Without gravity nothing lies on anything.
@@ -133,6 +128,19 @@ impl Contact {
     }
 }
 
+/// Pairs are looked at in hands of so many, a power of two ...
+const HAND: usize = 16;
+/// ... of which each so many places after the one before, around the hand; odd, so that none is left out.
+const STRIDE: usize = 5;
+
+/// The places in a list of so many pairs, in an order in which those that follow each other seldom have a ball in common,
+/// as those of an upper ball do: a processor works on a few of them at a time then, where else each waits for the last.
+#[inline]
+pub(super) fn dealt(count: usize) -> impl DoubleEndedIterator<Item = usize> {
+    let whole = count - count % HAND;
+    (0..count).map(move |at| if at < whole { (at & !(HAND - 1)) | (STRIDE * at & (HAND - 1)) } else { at })
+}
+
 /// The bodies of a stripe, and what is known of them.
 pub(super) struct Share<'a> {
     pub(super) bodies: &'a mut [Body],
@@ -153,38 +161,86 @@ impl Stripe {
 
     /// Stops what still sinks, from the ground up.
     fn carry_all(&mut self, bodies: &mut [Body]) {
-        let Self { pairs, holds, touching, floors, .. } = self;
-        let mut rest = &touching[..];
-        while let Some(&at) = rest.first() {
-            let upper = pairs[at as usize].first;
-            let count = rest.iter().take_while(|&&at| pairs[at as usize].first == upper).count();
-            let (its, others) = rest.split_at(count);
-            let body = upper as usize;
+        let Self { pairs, holds, touching, uppers, floors, .. } = self;
+        let (pairs, touching) = (&pairs[..], &touching[..]);
+        let holds = &holds[..pairs.len()];
+        for ends in uppers.windows(2) {
+            let its = &touching[ends[0] as usize..ends[1] as usize];
+            let Some(&first) = its.first() else { continue };
+            let upper = pairs[first as usize].first as usize;
             let floor =
                 |&at: &u32| Floor::of(&holds[at as usize], &bodies[pairs[at as usize].second as usize]);
-            // Most lie on two.
-            if let [one, other] = its {
-                let both = [floor(one), floor(other)];
-                carry(&mut bodies[body], &both);
-            } else {
-                floors.clear();
-                floors.extend(its.iter().map(floor));
-                carry(&mut bodies[body], floors);
+            match its {
+                // On one it lies as on two that are the same: that takes no branch, which a processor could not foresee.
+                [one] | [one, _] => {
+                    let both = [floor(one), floor(&its[its.len() - 1])];
+                    carry_on(&mut bodies[upper], both);
+                }
+                [one, two, three] => {
+                    let all = [floor(one), floor(two), floor(three)];
+                    carry_on(&mut bodies[upper], all);
+                }
+                _ => {
+                    floors.clear();
+                    floors.extend(its.iter().map(floor));
+                    carry(&mut bodies[upper], floors);
+                }
             }
-            rest = others;
         }
     }
 
-    /// Takes the velocities away that moved balls out of overlaps.
+    /// Takes the velocities away that moved balls out of overlaps, and brakes what slides.
     fn relax_all(&mut self, setting: &Setting, bodies: &mut [Body]) {
+        let places = dealt(self.touching.len());
+        self.each_touching(places, bodies, |hold, first, second| {
+            hold.least = if hold.least < 0.0 { hold.least } else { 0.0 };
+            // Across what presses: neither changes the other.
+            let sliding = hold.normal.perp_dot(first.velocity - second.velocity);
+            press(hold, first, second, 1.0);
+            calm(hold, first, second, sliding, setting.firm);
+        });
+    }
+
+    /// Holds all pairs apart that touch, one after the other with gravity. Whether that moves any ball faster than at
+    /// `most` sums of both radii a second.
+    fn press_inward(&mut self, bodies: &mut [Body], left: f64, most: f64) -> bool {
+        let places = dealt(self.touching.len()).rev();
+        let mut moves = false;
+        self.each_touching(places, bodies, |hold, first, second| {
+            let change = press(hold, first, second, left).abs();
+            let speed = change * (first.inverse_mass + second.inverse_mass);
+            moves |= speed > most * (first.radius + second.radius);
+        });
+        moves
+    }
+
+    /// The same against gravity.
+    fn press_outward(&mut self, bodies: &mut [Body], left: f64) {
+        let places = dealt(self.touching.len());
+        self.each_touching(places, bodies, |hold, first, second| {
+            press(hold, first, second, left);
+        });
+    }
+
+    /// Works on all pairs that touch, at these places among them.
+    #[inline]
+    fn each_touching(
+        &mut self,
+        places: impl Iterator<Item = usize>,
+        bodies: &mut [Body],
+        mut work: impl FnMut(&mut Hold, &mut Body, &mut Body),
+    ) {
         let Self { pairs, holds, touching, .. } = self;
-        for &at in touching.iter() {
-            let (pair, hold) = (pairs[at as usize], &mut holds[at as usize]);
-            hold.least = hold.least.min(0.0);
-            hold_apart(bodies, pair, hold, 1.0);
-            if hold.impulse > 0.0 {
-                calm(bodies, pair, hold, setting.firm);
-            }
+        // Slices of one length: a compiler knows then that these do not change, and looks at a place once.
+        let (pairs, touching) = (&pairs[..], &touching[..]);
+        let holds = &mut holds[..pairs.len()];
+        for place in places {
+            let at = touching[place] as usize;
+            let (first, second) = two(bodies, pairs[at]);
+            // A copy is kept in registers: what is written in parts and read as a whole makes a processor wait.
+            let mut hold = holds[at];
+            work(&mut hold, first, second);
+            (holds[at].least, holds[at].impulse) = (hold.least, hold.impulse);
         }
     }
 }
@@ -207,58 +263,73 @@ impl Floor {
 
 /// Stops what still sinks on what carries it, as if that were as firm as the ground (shock propagation; Guendelman,
 /// Bridson & Fedkiw 2003). It only ever slows a ball down.
-#[inline]
 fn carry(body: &mut Body, floors: &[Floor]) {
-    if body.inverse_mass == 0.0 {
-        return;
-    }
     let mut velocity = body.velocity;
-    // Nothing undoes what a single pair did. No branch: what still sinks cannot be foreseen by a processor.
-    for _ in 0..if floors.len() == 1 { 1 } else { INNER } {
+    for _ in 0..INNER {
         for floor in floors {
             velocity += floor.up * (floor.least - velocity.dot(floor.up)).max(0.0);
         }
     }
-    body.free += velocity - body.velocity;
-    body.velocity = velocity;
+    body.stop_at(velocity);
 }
 
-/// Takes a part of the velocity with which two balls that press on each other slide along each other, where that is
-/// slow.
+/// The same on few. What each adds is a number then, and so is what that changes for the others.
 #[inline]
-fn calm(bodies: &mut [Body], pair: Pair, hold: &Hold, slow: f64) {
-    let (first, second) = two(bodies, pair);
-    let velocity = first.velocity - second.velocity;
-    let along = velocity - hold.normal * velocity.dot(hold.normal);
-    if along.length_squared() < slow * slow {
-        let change = along * (DAMPED * hold.mass);
-        for (body, change) in [(first, -change), (second, change)] {
-            body.velocity += change * body.inverse_mass;
-            body.free += change * body.inverse_mass;
+fn carry_on<const FLOORS: usize>(body: &mut Body, floors: [Floor; FLOORS]) {
+    let shared = floors.map(|one| floors.map(|other| one.up.dot(other.up)));
+    // How much too fast it goes down on each, and how much each has added.
+    let mut lacking = floors.map(|floor| floor.least - body.velocity.dot(floor.up));
+    let mut added = [0.0; FLOORS];
+    for _ in 0..INNER {
+        for this in 0..FLOORS {
+            let more = lacking[this].max(0.0);
+            added[this] += more;
+            for other in 0..FLOORS {
+                lacking[other] -= if this == other { more } else { shared[this][other] * more };
+            }
+        }
+    }
+    let more: DVec2 = floors.iter().zip(added).map(|(floor, added)| floor.up * added).sum();
+    body.stop_at(body.velocity + more);
+}
+
+impl Body {
+    /// Gives it the velocity that the ground below it leaves it.
+    #[inline]
+    fn stop_at(&mut self, velocity: DVec2) {
+        if self.inverse_mass > 0.0 {
+            self.free += velocity - self.velocity;
+            self.velocity = velocity;
         }
     }
 }
 
-/// One Gauss–Seidel step of a pair; `left` as for [`press`]. By how much it changes the speed at which they part, in sums
-/// of their radii a second.
+/// Takes a part of the speed away with which two balls that press on each other slide along each other, where that is
+/// slow.
 #[inline]
-fn hold_apart(bodies: &mut [Body], pair: Pair, hold: &mut Hold, left: f64) -> f64 {
-    let (first, second) = two(bodies, pair);
-    let before = hold.impulse;
-    press(hold, first, second, left);
-    (hold.impulse - before).abs() * (first.inverse_mass + second.inverse_mass)
-        / (first.radius + second.radius)
+fn calm(hold: &Hold, first: &mut Body, second: &mut Body, sliding: f64, slow: f64) {
+    let braked = if hold.impulse > 0.0 && sliding.abs() < slow { sliding } else { 0.0 };
+    let change = hold.normal.perp() * (braked * DAMPED * hold.mass);
+    for (body, change) in [(first, -change), (second, change)] {
+        body.velocity += change * body.inverse_mass;
+        body.free += change * body.inverse_mass;
+    }
 }
 
 /// Brings a pair's impulse to where both part with the least velocity, or to 0. Of a soft one only a part is `left`, so
-/// that what they overlap by, in the end, follows what they carry.
+/// that what they overlap by, in the end, follows what they carry. The impulse's change.
 #[inline]
-pub(super) fn press(hold: &mut Hold, first: &mut Body, second: &mut Body, left: f64) {
+pub(super) fn press(hold: &mut Hold, first: &mut Body, second: &mut Body, left: f64) -> f64 {
+    // What needs no velocity is found first: pairs wait for each other's.
+    let wanted = left * (hold.impulse + hold.least * hold.mass);
+    let (one, other) = (hold.normal * first.inverse_mass, hold.normal * second.inverse_mass);
     let parting = (first.velocity - second.velocity).dot(hold.normal);
-    let impulse = ((hold.impulse - (parting - hold.least) * hold.mass) * left).max(0.0);
-    let push = hold.normal * (impulse - hold.impulse);
+    let impulse = (wanted - parting * (left * hold.mass)).max(0.0);
+    let change = impulse - hold.impulse;
     hold.impulse = impulse;
-    give(push, first, second);
+    first.velocity += one * change;
+    second.velocity -= other * change;
+    change
 }
 
 /// Gives the first of two balls an impulse, and the second its opposite.

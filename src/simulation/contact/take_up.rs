@@ -11,7 +11,7 @@ use super::holds::Hold;
 use super::impacts::{Fate, Shift};
 use super::meeting::COINCIDENT;
 use super::stripes::Stripe;
-use super::support::{MENDED, Share, YIELDING, give, press, two};
+use super::support::{MENDED, Share, YIELDING, dealt, give, press, two};
 use super::{Body, Setting};
 
 /// Pairs farther apart than this part of their radii, and not closing in, are left out of a substep.
@@ -21,101 +21,123 @@ const LOOSENED: f64 = 0.02;
 /// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
 const STEADY: f64 = 0.03;
 
-/// What turning a hold changes.
+/// How two balls lie at a substep's beginning.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Turned {
-    /// By how much that changes what it gives the first ball, mass·px/s.
-    more: DVec2,
-    /// The impulse that it had before, mass·px/s.
-    carried: f64,
+pub(super) struct Lie {
+    /// Where the first is, seen from the second, px; then its direction.
+    along: DVec2,
+    /// How far apart their centres are, px.
+    distance: f64,
 }
 
 impl Stripe {
     /// Looks at all pairs anew, and holds those apart that are close.
     pub(super) fn take_up_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
         self.gather();
-        self.follow_all(setting, share);
-        let Share { bodies, fates, rests } = share;
-        let Self { pairs, holds, held, live, touching, turned, disturbed, .. } = self;
-        let mut kept = 0;
-        for (place, &turned) in turned.iter().enumerate() {
+        self.see_all(setting, share.bodies);
+        self.hold_all(setting, share);
+        self.gather_touching();
+    }
+
+    /// Gathers the pairs that may have to be held apart.
+    #[expect(clippy::needless_bitwise_bool, reason = "a branch there cannot be foreseen by a processor")]
+    fn gather(&mut self) {
+        let Self { marks, touching, .. } = self;
+        touching.resize(marks.len(), 0);
+        let mut count = 0;
+        for (at, mark) in (0..).zip(marks) {
+            touching[count] = at;
+            count += usize::from((mark.close | mark.live) & !mark.idle);
+        }
+        touching.truncate(count);
+    }
+
+    /// Gathers those that are held apart, and where the pairs of each upper ball begin.
+    #[expect(clippy::needless_bitwise_bool, reason = "as above")]
+    fn gather_touching(&mut self) {
+        let Self { pairs, marks, touching, uppers, .. } = self;
+        touching.resize(marks.len(), 0);
+        uppers.resize(marks.len() + 1, 0);
+        let (mut count, mut others, mut last) = (0, 0, u32::MAX);
+        for (at, (pair, mark)) in (0..).zip(pairs.iter().zip(marks)) {
+            let touches = mark.live & !mark.idle;
+            touching[count] = at;
+            count += usize::from(touches);
+            others += usize::from(touches & (pair.first != last));
+            last = if touches { pair.first } else { last };
+            uppers[others] = count as u32;
+        }
+        touching.truncate(count);
+        uppers.truncate(others + 1);
+    }
+
+    /// Sees how all gathered pairs lie, unless what is done with one moves others.
+    fn see_all(&mut self, setting: &Setting, bodies: &[Body]) {
+        let Self { pairs, touching, lies, .. } = self;
+        lies.clear();
+        if setting.kick == DVec2::ZERO {
+            return;
+        }
+        let pairs = &pairs[..];
+        lies.extend(touching.iter().map(|&at| {
+            let pair = pairs[at as usize];
+            let along = bodies[pair.first as usize].position - bodies[pair.second as usize].position;
+            Lie { along, distance: along.length_squared() }
+        }));
+        // A loop by itself takes several roots and quotients at once, and none of them waits for another.
+        for Lie { along, distance } in lies {
+            *distance = distance.sqrt();
+            *along = direction(*along, *distance);
+        }
+    }
+
+    /// Holds all gathered pairs apart that are close.
+    fn hold_all(&mut self, setting: &Setting, Share { bodies, fates, rests }: &mut Share<'_>) {
+        let Self { pairs, holds, marks, touching, lies, disturbed, .. } = self;
+        let (pairs, touching, lies) = (&pairs[..], &touching[..], &lies[..]);
+        let (holds, marks) = (&mut holds[..pairs.len()], &mut marks[..pairs.len()]);
+        for place in dealt(touching.len()) {
             let at = touching[place] as usize;
-            let (pair, hold) = (pairs[at], &mut holds[at]);
+            let (pair, hold, mark) = (pairs[at], &mut holds[at], &mut marks[at]);
             let (first, second) = two(bodies, pair);
-            let carried = turned.map_or(hold.impulse, |turned| turned.carried);
-            let near = if let Some(Turned { more, .. }) = turned {
-                give(more, first, second);
-                press(hold, first, second, YIELDING);
-                true
-            } else {
-                take_up(setting, hold, [first, second], shift_of(fates, pair.first, pair.second))
+            let carried = hold.impulse;
+            let shift = shift_of(fates, pair.first, pair.second);
+            // Most of a pile presses as it did.
+            let near = match lies.get(place) {
+                Some(lie) if carried > 0.0 && shift == Shift::None && !hold.met => {
+                    follow(setting, hold, first, second, lie);
+                    true
+                }
+                _ => take_up(setting, hold, first, second, shift),
             };
-            touching[kept] = at as u32;
-            kept += usize::from(near);
-            live[at] = near;
             let holds = near && (hold.met || hold.impulse > 0.0);
             // What sleeps is seen at the body, which is at hand.
             let still = first.inverse_mass == 0.0 || second.inverse_mass == 0.0;
-            if still && (held[at] || holds) {
+            if still && (mark.held || holds) {
                 for body in [pair.first, pair.second] {
                     if bodies[body as usize].inverse_mass == 0.0 && rests[body as usize].asleep {
                         disturbed.push((body, if holds { 0.0 } else { carried }));
                     }
                 }
             }
-            held[at] = holds;
+            (mark.live, mark.held) = (near, holds);
             hold.met = false;
         }
-        touching.truncate(kept);
     }
+}
 
-    /// Gathers the pairs that may have to be held apart.
-    #[expect(clippy::needless_bitwise_bool, reason = "a branch there cannot be foreseen by a processor")]
-    fn gather(&mut self) {
-        let Self { pairs, live, idle, close, touching, .. } = self;
-        touching.resize(pairs.len(), 0);
-        let mut count = 0;
-        for (at, ((&close, &live), &idle)) in (0..).zip(close.iter().zip(&*live).zip(&*idle)) {
-            touching[count] = at;
-            count += usize::from((close | live) & !idle);
-        }
-        touching.truncate(count);
-    }
-
-    /// Turns the holds of all pairs that press and were hit by nothing, and finds how fast they have to part: what
-    /// [`take_up`] comes to for them, but for what it gives their balls.
-    fn follow_all(&mut self, setting: &Setting, Share { bodies, fates, .. }: &Share<'_>) {
-        let Self { pairs, holds, touching, distances, turned, .. } = self;
-        distances.clear();
-        turned.clear();
-        if setting.kick == DVec2::ZERO {
-            turned.resize(touching.len(), None);
-            return;
-        }
-        distances.extend(touching.iter().map(|&at| {
-            let pair = pairs[at as usize];
-            bodies[pair.first as usize].position.distance_squared(bodies[pair.second as usize].position)
-        }));
-        // A loop by itself takes several roots at once, and none of them waits for another.
-        for distance in &mut *distances {
-            *distance = distance.sqrt();
-        }
-        turned.extend(touching.iter().zip(&*distances).map(|(&at, &distance)| {
-            let (pair, hold) = (pairs[at as usize], &mut holds[at as usize]);
-            let shift = shift_of(fates, pair.first, pair.second);
-            if hold.impulse == 0.0 || hold.met || shift != Shift::None {
-                return None;
-            }
-            let (first, second) = (&bodies[pair.first as usize], &bodies[pair.second as usize]);
-            let reach = first.radius + second.radius;
-            // Without a branch: which pairs overlap cannot be foreseen by a processor.
-            let gap = distance - reach;
-            let way = if gap > 0.0 { -gap } else { MENDED * -gap };
-            hold.least = setting.least_parting(way, reach);
-            let carried = hold.impulse;
-            Some(Turned { more: hold.turn(direction(first.position - second.position, distance)), carried })
-        }));
-    }
+/// Turns the hold of a pair that presses, and was hit by nothing, and holds it apart: what [`take_up`] comes to for it.
+#[inline]
+fn follow(setting: &Setting, hold: &mut Hold, first: &mut Body, second: &mut Body, lie: &Lie) {
+    let reach = first.radius + second.radius;
+    // Without a branch: which pairs overlap cannot be foreseen by a processor.
+    let out = reach - lie.distance;
+    let some = MENDED * out;
+    let mut turned = *hold;
+    turned.least = setting.least_parting(if out < some { out } else { some }, reach);
+    give(turned.turn(lie.along), first, second);
+    press(&mut turned, first, second, YIELDING);
+    *hold = turned;
 }
 
 impl Setting {
@@ -123,7 +145,9 @@ impl Setting {
     /// overlaps are taken away.
     #[inline]
     fn least_parting(&self, way: f64, reach: f64) -> f64 {
-        (way / self.substep).min(self.mending * reach)
+        let (speed, most) = (way / self.substep, self.mending * reach);
+        // One instruction, where `min` has six for what is no number.
+        if speed < most { speed } else { most }
     }
 }
 
@@ -138,7 +162,7 @@ fn shift_of(fates: &[Fate], first: u32, second: u32) -> Shift {
 ///
 /// Not inlined: few of a pile need it, and it would take the registers of the others.
 #[inline(never)]
-fn take_up(setting: &Setting, hold: &mut Hold, [first, second]: [&mut Body; 2], shift: Shift) -> bool {
+fn take_up(setting: &Setting, hold: &mut Hold, first: &mut Body, second: &mut Body, shift: Shift) -> bool {
     if shift == Shift::Far {
         // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
         if hold.impulse > 0.0 {

@@ -68,7 +68,7 @@ impl Stage<'_> {
         if !(flies(bodies.0) && flies(bodies.1)) {
             return None;
         }
-        let held = stripes.list[spot.stripe as usize].held.get(spot.at as usize) == Some(&true);
+        let held = stripes.list[spot.stripe as usize].marks[spot.at as usize].held;
         let meeting = if held { None } else { self.meeting(bodies, held) }?;
         let reach = self.bodies[bodies.0].radius + self.bodies[bodies.1].radius;
         (!lie_in_each_other(meeting.offset, reach)).then_some(Meets { spot, bodies, meeting })
