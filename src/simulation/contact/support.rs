@@ -138,7 +138,7 @@ const STRIDE: usize = 5;
 #[inline]
 pub(super) fn dealt(count: usize) -> impl DoubleEndedIterator<Item = usize> {
     let whole = count - count % HAND;
-    (0..count).map(move |at| if at < whole { (at & !(HAND - 1)) | (STRIDE * at & (HAND - 1)) } else { at })
+    (0..count).map(move |at| if at < whole { at - at % HAND + STRIDE * at % HAND } else { at })
 }
 
 /// The bodies of a stripe, and what is known of them.
