@@ -9,7 +9,6 @@ use super::holds::{Beside, Given, Hold, Mark, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Heights, Links};
 use super::support::Floor;
-use super::take_up::Lie;
 use super::{Body, DVec2};
 
 /// The place of a ball that is not beside a wall.
@@ -35,8 +34,10 @@ pub(super) struct Stripe {
     pub(super) touching: Vec<u32>,
     /// Where the pairs of each upper ball end among them, after a 0.
     pub(super) uppers: Vec<u32>,
-    /// For each of those that may have to be, how its balls lie at the substep's beginning.
-    pub(super) lies: Vec<Lie>,
+    /// For each of those that may have to be, where its first ball is at the substep's beginning, seen from the second, and
+    /// how far away, px.
+    pub(super) ways: Vec<DVec2>,
+    pub(super) distances: Vec<f64>,
     /// What carries the ball that is looked at.
     pub(super) floors: Vec<Floor>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.

@@ -21,15 +21,6 @@ const LOOSENED: f64 = 0.02;
 /// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
 const STEADY: f64 = 0.03;
 
-/// How two balls lie at a substep's beginning.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Lie {
-    /// Where the first is, seen from the second, px; then its direction.
-    along: DVec2,
-    /// How far apart their centres are, px.
-    distance: f64,
-}
-
 impl Stripe {
     /// Looks at all pairs anew, and holds those apart that are close.
     pub(super) fn take_up_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
@@ -73,28 +64,26 @@ impl Stripe {
 
     /// Sees how all gathered pairs lie, unless what is done with one moves others.
     fn see_all(&mut self, setting: &Setting, bodies: &[Body]) {
-        let Self { pairs, touching, lies, .. } = self;
-        lies.clear();
+        let Self { pairs, touching, ways, distances, .. } = self;
+        ways.clear();
+        distances.clear();
         if setting.kick == DVec2::ZERO {
             return;
         }
         let pairs = &pairs[..];
-        lies.extend(touching.iter().map(|&at| {
+        ways.extend(touching.iter().map(|&at| {
             let pair = pairs[at as usize];
-            let along = bodies[pair.first as usize].position - bodies[pair.second as usize].position;
-            Lie { along, distance: along.length_squared() }
+            bodies[pair.first as usize].position - bodies[pair.second as usize].position
         }));
-        // A loop by itself takes several roots and quotients at once, and none of them waits for another.
-        for Lie { along, distance } in lies {
-            *distance = distance.sqrt();
-            *along = direction(*along, *distance);
-        }
+        // Roots by themselves: a processor takes several at once then, and nothing waits for them.
+        distances.extend(ways.iter().map(|way| way.length_squared().sqrt()));
     }
 
     /// Holds all gathered pairs apart that are close.
     fn hold_all(&mut self, setting: &Setting, Share { bodies, fates, rests }: &mut Share<'_>) {
-        let Self { pairs, holds, marks, touching, lies, disturbed, .. } = self;
-        let (pairs, touching, lies) = (&pairs[..], &touching[..], &lies[..]);
+        let Self { pairs, holds, marks, touching, ways, distances, disturbed, .. } = self;
+        let (pairs, touching) = (&pairs[..], &touching[..]);
+        let (ways, distances) = (&ways[..], &distances[..ways.len()]);
         let (holds, marks) = (&mut holds[..pairs.len()], &mut marks[..pairs.len()]);
         for place in dealt(touching.len()) {
             let at = touching[place] as usize;
@@ -103,9 +92,9 @@ impl Stripe {
             let carried = hold.impulse;
             let shift = shift_of(fates, pair.first, pair.second);
             // Most of a pile presses as it did.
-            let near = match lies.get(place) {
-                Some(lie) if carried > 0.0 && shift == Shift::None && !hold.met => {
-                    follow(setting, hold, first, second, lie);
+            let near = match ways.get(place) {
+                Some(&way) if carried > 0.0 && shift == Shift::None && !hold.met => {
+                    follow(setting, hold, first, second, (way, distances[place]));
                     true
                 }
                 _ => take_up(setting, hold, first, second, shift),
@@ -127,15 +116,22 @@ impl Stripe {
 }
 
 /// Turns the hold of a pair that presses, and was hit by nothing, and holds it apart: what [`take_up`] comes to for it.
+/// Where the first is, seen from the second, and how far away, is known.
 #[inline]
-fn follow(setting: &Setting, hold: &mut Hold, first: &mut Body, second: &mut Body, lie: &Lie) {
+fn follow(
+    setting: &Setting,
+    hold: &mut Hold,
+    first: &mut Body,
+    second: &mut Body,
+    (offset, distance): (DVec2, f64),
+) {
     let reach = first.radius + second.radius;
     // Without a branch: which pairs overlap cannot be foreseen by a processor.
-    let out = reach - lie.distance;
+    let out = reach - distance;
     let some = MENDED * out;
     let mut turned = *hold;
     turned.least = setting.least_parting(if out < some { out } else { some }, reach);
-    give(turned.turn(lie.along), first, second);
+    give(turned.turn(direction(offset, distance)), first, second);
     press(&mut turned, first, second, YIELDING);
     *hold = turned;
 }
