@@ -8,12 +8,21 @@ use super::Contact;
 impl Contact {
     /// Notes which bodies are held in the substep that is over.
     pub(super) fn find_held(&mut self) {
+        self.find_held_by_balls();
+        self.find_held_by_walls();
+    }
+
+    fn find_held_by_balls(&mut self) {
         let Self { near: Some(near), held, bodies, .. } = self else { return };
         held.clear();
         held.resize(bodies.len(), false);
         for (first, second, _) in near.holding() {
             (held[first], held[second]) = (true, true);
         }
+    }
+
+    fn find_held_by_walls(&mut self) {
+        let Self { near: Some(near), held, .. } = self else { return };
         for (body, _) in near.beside().filter(|(_, beside)| beside.push != DVec2::ZERO) {
             held[body] = true;
         }
@@ -37,7 +46,11 @@ impl Contact {
     /// not 0. This evaluates, and never writes back.
     pub(super) fn show(&mut self, frame: &mut Frame<'_>, since: f64) {
         let share = since * f64::from(self.rate);
-        self.find_held();
+        self.find_held_by_balls();
+        for (hit, &held) in self.hit.iter_mut().zip(&self.held) {
+            *hit |= held;
+        }
+        self.find_held_by_walls();
         for (at, body) in self.bodies.iter().enumerate() {
             let ball = &mut frame.balls[self.ids[at] as usize];
             if ball.is_fixed() {
@@ -55,10 +68,7 @@ impl Contact {
             }
             (ball.position, ball.velocity) = (position, velocity);
         }
-        if let Some(near) = &self.near {
-            for (first, second, _) in near.holding() {
-                (self.hit[first], self.hit[second]) = (true, true);
-            }
+        if self.near.is_some() {
             for (&id, hit) in self.ids.iter().zip(&mut self.hit) {
                 frame.touching[id as usize] = *hit;
                 *hit = false;
