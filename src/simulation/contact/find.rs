@@ -17,11 +17,15 @@ use super::{Body, Setting};
 
 /// A ball may go so much of its radius, whatever its speed, before pairs are searched anew.
 const SKIN: f64 = 0.1;
-/// ... and as far as the root mean square of all speeds takes it in so many substeps.
+/// ... and as far as speeds take it in so many substeps: one that is slow through a part of the way at the root mean square
+/// of all speeds, since a fast one may hit it; one that is fast ahead of it, from where it is.
 const HORIZON: f64 = 3.0;
-/// ... or its own speed; where nothing rests, at least through half of the way that it goes in that time: nearly all
-/// balls are covered in discs of one size then, which suit one size of cells.
-const LEAST_AHEAD: f64 = 0.25;
+/// That part, and the least radius of what covers a ball's own way, as a part of this way: one half would be just the way,
+/// and what presses may push a ball back.
+const COVERED: (f64, f64) = (0.25, 0.6);
+/// The same where nothing rests. Nearly all balls are covered in discs of one size then, which suit one size of cells, and
+/// the fastest leave theirs.
+const COVERED_IN_FLIGHT: (f64, f64) = (1.0, 0.25);
 /// The horizon where nothing rests, so that balls go straight on until they are hit.
 const HORIZON_OF_FLIGHT: f64 = 4.0;
 /// That of few balls, all pairs of which are soon compared.
@@ -210,7 +214,9 @@ impl Near {
             _ if setting.can_rest => HORIZON,
             _ => HORIZON_OF_FLIGHT,
         };
-        let (time, rms_speed, can_rest) = (horizon * setting.substep, self.rms_speed, setting.can_rest);
+        let (of_all, of_own) = if setting.can_rest { COVERED } else { COVERED_IN_FLIGHT };
+        let time = horizon * setting.substep;
+        let least = of_all * self.rms_speed * time;
         let fall = 0.5 * horizon * time * setting.kick.length();
         move |body| {
             let skin = SKIN * body.radius;
@@ -218,8 +224,7 @@ impl Near {
                 return Home { position: body.position, reach: skin };
             }
             let way = body.velocity.length() * time;
-            // What presses may turn a ball, or push it back, at any time; elsewhere a fast one is covered ahead of it.
-            let far = (rms_speed * time).max(if can_rest { way } else { LEAST_AHEAD * way });
+            let far = least.max(of_own * way);
             let ahead = (way - far).clamp(0.0, far);
             let ahead = if ahead > 0.0 { body.velocity * (time * ahead / way) } else { DVec2::ZERO };
             Home { position: body.position + ahead, reach: far + fall + skin }
