@@ -184,10 +184,10 @@ impl Stage<'_> {
             }
         }
         for number in layout.of_body(body) {
-            let own = (body - layout.start(number)) as u32;
-            let mut cursor = stripes.list[number].links.begin(own);
-            while let Some(at) = stripes.list[number].links.next(&mut cursor) {
-                self.foresee_pair(Spot { stripe: number as u32, at: at as u32 }, stripes);
+            let (stripe, start) = (&mut stripes.list[number], layout.start(number));
+            let mut cursor = stripe.links.begin((body - start) as u32);
+            while let Some(at) = stripe.links.next(&mut cursor) {
+                self.foresee_pair(Spot { stripe: number as u32, at: at as u32 }, stripe, start);
             }
         }
     }
@@ -221,9 +221,8 @@ impl Stage<'_> {
     }
 
     #[inline]
-    fn foresee_pair(&mut self, spot: Spot, stripes: &mut Stripes<'_>) {
-        let (start, at) = (stripes.layout.start(spot.stripe as usize), spot.at as usize);
-        let stripe = &mut stripes.list[spot.stripe as usize];
+    fn foresee_pair(&mut self, spot: Spot, stripe: &mut Stripe, start: usize) {
+        let at = spot.at as usize;
         let pair = stripe.pairs[at];
         let (i, j) = (start + pair.first as usize, start + pair.second as usize);
         let approach = Approach::of(self.setting, &self.bodies[i], &self.bodies[j]);
