@@ -1,8 +1,8 @@
 //! How pairs lie at a substep's beginning: along which direction they press, how fast they have to part, and which are
 //! held apart at all.
 //!
-//! Most of a pile presses as it did. What its places alone tell is found for all such pairs at once, before any velocity
-//! is changed: a processor then works on many of them at a time, and what each gives waits for no root and no quotient.
+//! Most of a pile presses as it did. How far apart its balls are is found for all pairs at once, before any velocity is
+//! changed: a processor then works on many of them at a time, and what each gives waits for no root.
 
 use glam::DVec2;
 
@@ -24,7 +24,7 @@ const STEADY: f64 = 0.03;
 impl Stripe {
     /// Looks at all pairs anew, and holds those apart that are close.
     pub(super) fn take_up_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
-        self.gather();
+        self.gather_near();
         self.see_all(setting, share.bodies);
         self.hold_all(setting, share);
         self.gather_touching();
@@ -32,7 +32,7 @@ impl Stripe {
 
     /// Gathers the pairs that may have to be held apart.
     #[expect(clippy::needless_bitwise_bool, reason = "a branch there cannot be foreseen by a processor")]
-    fn gather(&mut self) {
+    fn gather_near(&mut self) {
         let Self { marks, touching, .. } = self;
         touching.resize(marks.len(), 0);
         let mut count = 0;
@@ -49,17 +49,17 @@ impl Stripe {
         let Self { pairs, marks, touching, uppers, .. } = self;
         touching.resize(marks.len(), 0);
         uppers.resize(marks.len() + 1, 0);
-        let (mut count, mut others, mut last) = (0, 0, u32::MAX);
+        let (mut count, mut balls, mut last) = (0, 0, u32::MAX);
         for (at, (pair, mark)) in (0..).zip(pairs.iter().zip(marks)) {
             let touches = mark.live & !mark.idle;
             touching[count] = at;
             count += usize::from(touches);
-            others += usize::from(touches & (pair.first != last));
+            balls += usize::from(touches & (pair.first != last));
             last = if touches { pair.first } else { last };
-            uppers[others] = count as u32;
+            uppers[balls] = count as u32;
         }
         touching.truncate(count);
-        uppers.truncate(others + 1);
+        uppers.truncate(balls + 1);
     }
 
     /// Sees how all gathered pairs lie, unless what is done with one moves others.
