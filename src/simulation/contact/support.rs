@@ -346,3 +346,51 @@ pub(super) fn two(bodies: &mut [Body], pair: Pair) -> (&mut Body, &mut Body) {
     let [first, second] = both.expect("a pair is of two balls");
     (first, second)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::ball::Ball;
+    use super::*;
+
+    #[test]
+    fn every_pair_is_dealt_once_and_in_a_hand_none_after_its_neighbour() {
+        for count in 0..100 {
+            let places: Vec<usize> = dealt(count).collect();
+            assert!((0..count).all(|place| places.contains(&place)) && places.len() == count, "{count}");
+            let hands = &places[..count - count % HAND];
+            assert!(hands.windows(2).all(|two| two[0].abs_diff(two[1]) > 1), "{count}: {places:?}");
+        }
+    }
+
+    #[test]
+    fn a_ball_on_few_others_is_stopped_as_on_many() {
+        let ball = Ball::new(DVec2::ZERO, 5.0).unwrap();
+        for turn in 0..1000 {
+            let angle = |k: u32| f64::from(k * turn) * 0.618;
+            let body =
+                Body { velocity: 100.0 * DVec2::from_angle(angle(7)), ..Body::new(&ball, DVec2::ZERO) };
+            let floor =
+                |k| Floor { up: DVec2::from_angle(angle(k)), least: -20.0 * angle(k + 3).sin().abs() };
+            let floors = [floor(1), floor(2), floor(3)];
+            let on_many = |floors: &[Floor]| {
+                let mut body = body;
+                carry(&mut body, floors);
+                body
+            };
+            let on_few: [Body; 3] = std::array::from_fn(|few| {
+                let mut body = body;
+                match few {
+                    0 => carry_on(&mut body, [floors[0]; 2]),
+                    1 => carry_on(&mut body, [floors[0], floors[1]]),
+                    _ => carry_on(&mut body, floors),
+                }
+                body
+            });
+            for (few, body) in on_few.iter().enumerate() {
+                let many = on_many(&floors[..=few]);
+                assert!(body.velocity.abs_diff_eq(many.velocity, 1e-9), "turn {turn}, {} floors", few + 1);
+                assert!(body.free.abs_diff_eq(many.free, 1e-9), "turn {turn}, {} floors", few + 1);
+            }
+        }
+    }
+}
