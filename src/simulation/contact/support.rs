@@ -377,7 +377,7 @@ mod tests {
                 carry(&mut body, floors);
                 body
             };
-            let on_few: [Body; 3] = std::array::from_fn(|few| {
+            let on_few = [0, 1, 2].map(|few| {
                 let mut body = body;
                 match few {
                     0 => carry_on(&mut body, [floors[0]; 2]),
