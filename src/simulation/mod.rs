@@ -15,6 +15,7 @@ pub mod grid;
 mod impulse;
 pub mod invariants;
 pub mod ledger;
+mod lesser;
 pub mod limits;
 mod simultaneous;
 mod solver;

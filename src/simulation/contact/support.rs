@@ -10,6 +10,7 @@
 
 use glam::DVec2;
 
+use super::super::lesser::lesser;
 use super::find::{FEW, Near};
 use super::holds::{Hold, Pair};
 use super::impacts::Fate;
@@ -193,7 +194,7 @@ impl Stripe {
     fn relax_all(&mut self, setting: &Setting, bodies: &mut [Body]) {
         let places = dealt(self.touching.len());
         self.each_touching(places, bodies, |hold, first, second| {
-            hold.least = if hold.least < 0.0 { hold.least } else { 0.0 };
+            hold.least = lesser(0.0, hold.least);
             // Across what presses: neither changes the other.
             let sliding = hold.normal.perp_dot(first.velocity - second.velocity);
             press(hold, first, second, 1.0);

@@ -7,6 +7,7 @@
 use glam::DVec2;
 
 use super::super::impulse::COINCIDENT_NORMAL;
+use super::super::lesser::lesser;
 use super::holds::Hold;
 use super::impacts::{Fate, Shift};
 use super::meeting::COINCIDENT;
@@ -128,9 +129,8 @@ fn follow(
     let reach = first.radius + second.radius;
     // Without a branch: which pairs overlap cannot be foreseen by a processor.
     let out = reach - distance;
-    let some = MENDED * out;
     let mut turned = *hold;
-    turned.least = setting.least_parting(if out < some { out } else { some }, reach);
+    turned.least = setting.least_parting(lesser(MENDED * out, out), reach);
     give(turned.turn(direction(offset, distance)), first, second);
     press(&mut turned, first, second, YIELDING);
     *hold = turned;
@@ -141,9 +141,7 @@ impl Setting {
     /// overlaps are taken away.
     #[inline]
     fn least_parting(&self, way: f64, reach: f64) -> f64 {
-        let (speed, most) = (way / self.substep, self.mending * reach);
-        // One instruction, where `min` has six for what is no number.
-        if speed < most { speed } else { most }
+        lesser(self.mending * reach, way / self.substep)
     }
 }
 

@@ -4,6 +4,7 @@
 use glam::DVec2;
 
 use crate::simulation::flight::{self, NEVER, Pair};
+use crate::simulation::lesser::lesser;
 
 use super::calendar::Entry;
 use super::cells::{Border, END};
@@ -156,7 +157,7 @@ impl Exact {
     /// Writes what comes first for a ball into the calendar.
     fn write_next<N: Needs>(&mut self, slot: usize, ahead: &Ahead) {
         let flight = &mut self.flights[slot];
-        let event = earlier(flight.impact, ahead.crossing);
+        let event = lesser(flight.impact, ahead.crossing);
         flight.event = event;
         self.marks[slot].set_border(ahead.border);
         self.calendar.write(event, slot as u32);
@@ -186,7 +187,7 @@ impl Exact {
         // Nearly always, where there are many cells.
         let Some(lines) = inner else { return self.straight_at_edge::<N>(slot, borders) };
         let [x, y] = [self.arrive(slot, 0, lines[0]), self.arrive(slot, 1, lines[1])];
-        Ahead { crossing: earlier(x, y), border: borders[usize::from(y < x)], ..Ahead::NOTHING }
+        Ahead { crossing: lesser(x, y), border: borders[usize::from(y < x)], ..Ahead::NOTHING }
     }
 
     /// The same where one of the sides, or both, are walls.
@@ -374,12 +375,6 @@ impl Exact {
             }
         }
     }
-}
-
-/// The earlier of two times, which are numbers: one instruction, where [`f64::min`] has an answer for what is none.
-#[inline]
-fn earlier(one: f64, other: f64) -> f64 {
-    if other < one { other } else { one }
 }
 
 /// The earliest meeting found, if it is earlier than what else will happen to a ball.
