@@ -182,7 +182,6 @@ impl Near {
         let mut consider = |other: usize| {
             let (body, its) = (&bodies[other], &homes[other]);
             let reach = ball.radius + home.reach + body.radius + its.reach;
-            let give = ball.inverse_mass + body.inverse_mass;
             let touches = its.position.distance_squared(home.position) <= reach * reach;
             if other == at || !touches || !known.add(other as u32) {
                 return;
@@ -195,7 +194,7 @@ impl Near {
             }
             let start = layout.start(number);
             let pair = Pair { first: (first - start) as u32, second: (second - start) as u32 };
-            stripes[number].add_pair(pair, give, setting.can_rest);
+            stripes[number].add_pair(pair, ball.inverse_mass, body.inverse_mass);
             *added += 1;
         };
         match cells {

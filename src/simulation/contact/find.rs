@@ -7,11 +7,11 @@ use glam::{DVec2, Vec2Swizzles};
 
 use super::super::grid::{Grid, touch};
 use super::cover::{Covered, Home};
-use super::holds::{Beside, Hold, Mark, Pair};
+use super::holds::{Beside, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Kept, Known};
 use super::sleep::Rest;
-use super::stripes::{Stripe, Stripes, clear_all};
+use super::stripes::{NOWHERE, Stripe, Stripes, clear_all};
 use super::team::Team;
 use super::{Body, Setting};
 
@@ -53,6 +53,8 @@ pub(super) struct Near {
     /// How many pairs the search found, and how many were added since.
     pub(super) found: usize,
     pub(super) added: usize,
+    /// How many pairs were held apart in the last substep.
+    pub(super) touched: usize,
     /// Whether the search found a crowd.
     pub(super) crowd: bool,
     /// How many balls were covered anew since the search.
@@ -153,8 +155,10 @@ impl Near {
     pub(super) fn holding(&self) -> impl Iterator<Item = (usize, usize, &Hold)> {
         self.stripes.iter().enumerate().flat_map(|(number, stripe)| {
             let start = self.layout.start(number);
-            let held = stripe.pairs.iter().zip(&stripe.holds).filter(|(_, hold)| hold.impulse > 0.0);
-            held.map(move |(pair, hold)| (start + pair.first as usize, start + pair.second as usize, hold))
+            stripe.holds.iter().filter(|hold| hold.impulse > 0.0).map(move |hold| {
+                let pair = hold.pair.from(start);
+                (pair.first as usize, pair.second as usize, hold)
+            })
         })
     }
 
@@ -311,7 +315,7 @@ impl Near {
         team.each(stripes.iter_mut().enumerate(), |(number, stripe)| {
             let start = layout.start(number).min(bodies.len());
             let bodies = &bodies[start..start + layout.count(number, bodies.len())];
-            let Stripe { pairs, holds, marks, heights, .. } = &mut *stripe;
+            let Stripe { pairs, holds, places_of_holds, marks, heights, .. } = &mut *stripe;
             if layout.is_cut() {
                 for part in gathered {
                     pairs.extend_from_slice(&part.parted[number]);
@@ -324,12 +328,13 @@ impl Near {
             if setting.kick != DVec2::ZERO && !pairs.is_empty() {
                 heights.sort(pairs, bodies, -setting.kick.normalize_or_zero());
             }
-            marks.resize(pairs.len(), Mark { held: false, live: false, close: true, idle: false });
-            if setting.can_rest {
-                holds.extend(pairs.iter().map(|pair| kept.by_ball(pair.from(start)).unwrap_or(Hold::NONE)));
-                for (mark, hold) in marks.iter_mut().zip(&*holds) {
-                    mark.held = hold.impulse > 0.0;
-                    mark.live = mark.held;
+            marks.resize(pairs.len(), Marks::CLOSE);
+            places_of_holds.resize(pairs.len(), NOWHERE);
+            for ((pair, mark), place) in pairs.iter().zip(marks).zip(places_of_holds) {
+                if let Some(hold) = kept.by_ball(pair.from(start)) {
+                    *mark = *mark | Marks::HELD | Marks::LIVE;
+                    *place = holds.len() as u32;
+                    holds.push(Hold { pair: *pair, ..hold });
                 }
             }
             stripe.weigh_all(bodies);

@@ -29,30 +29,65 @@ pub(super) struct Hold {
     pub(super) grip: DVec2,
     /// The velocity, px/s along `normal`, with which they would just touch at the end of the substep.
     pub(super) least: f64,
-    /// Whether they have come to touch in this substep.
-    pub(super) met: bool,
     /// The effective mass of both along `normal`: 1 over the sum of their inverse masses.
     pub(super) mass: f64,
+    /// Who they are.
+    pub(super) pair: Pair,
 }
 
 impl Hold {
-    pub(super) const NONE: Self =
-        Self { impulse: 0.0, normal: DVec2::ZERO, grip: DVec2::ZERO, least: 0.0, met: false, mass: 0.0 };
+    /// That of two balls which do not hold each other yet.
+    pub(super) fn none(pair: Pair, mass: f64) -> Self {
+        Self { impulse: 0.0, normal: DVec2::ZERO, grip: DVec2::ZERO, least: 0.0, mass, pair }
+    }
 }
 
-/// What is to be done with a pair.
+/// What is known of a pair: a set, in one byte, since all pairs are gone through a few times in a substep.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::struct_excessive_bools, reason = "each is asked by itself")]
-pub(super) struct Mark {
-    /// Whether the two pressed on each other, or met, in the last substep.
-    pub(super) held: bool,
-    /// Whether its hold was looked after in the last substep, pressed or not, or the two have met since. The impulse of
-    /// others is 0.
-    pub(super) live: bool,
-    /// Whether they may come close enough in this substep to be held apart.
-    pub(super) close: bool,
-    /// Whether neither of them can be moved.
-    pub(super) idle: bool,
+pub(super) struct Marks(u8);
+
+impl Marks {
+    /// The two pressed on each other, or met, in the last substep.
+    pub(super) const HELD: Self = Self(1);
+    /// Its hold was looked after in the last substep, pressed or not, or the two have met since. The impulse of others
+    /// is 0.
+    pub(super) const LIVE: Self = Self(2);
+    /// They may come close enough in this substep to be held apart.
+    pub(super) const CLOSE: Self = Self(4);
+    /// They have come to touch in this substep.
+    pub(super) const MET: Self = Self(8);
+    /// One of them cannot be moved.
+    pub(super) const STILL: Self = Self(16);
+    /// Neither can.
+    pub(super) const IDLE: Self = Self(32);
+
+    /// Whether any of these is so.
+    #[inline]
+    pub(super) fn has(self, any: Self) -> bool {
+        self.0 & any.0 != 0
+    }
+
+    /// Notes whether this is so.
+    #[inline]
+    pub(super) fn set(&mut self, which: Self, on: bool) {
+        self.0 = self.0 & !which.0 | (which.0 * u8::from(on));
+    }
+
+    /// Notes which of the two, by their inverse masses, can be moved.
+    #[inline]
+    pub(super) fn weigh(&mut self, first: f64, second: f64) {
+        self.set(Self::STILL, first == 0.0 || second == 0.0);
+        self.set(Self::IDLE, first == 0.0 && second == 0.0);
+    }
+}
+
+impl std::ops::BitOr for Marks {
+    type Output = Self;
+
+    #[inline]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
 }
 
 /// What holds a ball in a substep, px/s.

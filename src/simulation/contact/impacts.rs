@@ -12,7 +12,7 @@ use std::collections::BinaryHeap;
 
 use super::events::{Event, Spot, What};
 use super::find::FEW;
-use super::holds::Mark;
+use super::holds::Marks;
 use super::meeting::{Approach, Meeting, exchange};
 use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
@@ -144,7 +144,7 @@ impl Stage<'_> {
             let pair = stripe.pairs[at as usize];
             let approach =
                 Approach::of(self.setting, &bodies[pair.first as usize], &bodies[pair.second as usize]);
-            stripe.marks[at as usize].close = approach.closes_in;
+            stripe.marks[at as usize].set(Marks::CLOSE, approach.closes_in);
             nearing[found] = at;
             found += usize::from(approach.may_meet);
         }
@@ -154,9 +154,9 @@ impl Stage<'_> {
     /// Gathers the places of all pairs but those that only press on each other, or sleep: in a pile that is nearly all.
     /// They are held apart whether they are close or not.
     fn leave_pressing(&self, start: usize, stripe: &Stripe, places: &mut Vec<u32>) {
-        let Stripe { pairs, holds, marks, .. } = stripe;
+        let Stripe { pairs, marks, .. } = stripe;
         places.clear();
-        if holds.is_empty() {
+        if !self.setting.can_rest {
             places.extend(0..pairs.len() as u32);
             return;
         }
@@ -164,9 +164,10 @@ impl Stage<'_> {
         let fates = &self.fates[start.min(self.fates.len())..];
         let mut left = 0;
         for (at, (pair, mark)) in (0..).zip(pairs.iter().zip(marks)) {
-            let presses = mark.held & fates[pair.first as usize].slow & fates[pair.second as usize].slow;
+            let presses =
+                mark.has(Marks::HELD) & fates[pair.first as usize].slow & fates[pair.second as usize].slow;
             places[left] = at;
-            left += usize::from(!(presses | mark.idle));
+            left += usize::from(!(presses | mark.has(Marks::IDLE)));
         }
         places.truncate(left);
     }
@@ -226,7 +227,7 @@ impl Stage<'_> {
         let pair = stripe.pairs[at];
         let (i, j) = (start + pair.first as usize, start + pair.second as usize);
         let approach = Approach::of(self.setting, &self.bodies[i], &self.bodies[j]);
-        stripe.marks[at].close = approach.closes_in;
+        stripe.marks[at].set(Marks::CLOSE, approach.closes_in);
         if approach.may_meet {
             self.foresee_meeting(spot, stripe, start);
         }
@@ -239,7 +240,7 @@ impl Stage<'_> {
         let pair = stripe.pairs[at].from(start);
         let (i, j) = (pair.first as usize, pair.second as usize);
         let (first, second) = (&self.fates[i], &self.fates[j]);
-        let Mark { held, idle, .. } = stripe.marks[at];
+        let (held, idle) = (stripe.marks[at].has(Marks::HELD), stripe.marks[at].has(Marks::IDLE));
         let presses = held && first.slow && second.slow;
         let fast = first.fast || second.fast;
         let enough = if fast { self.limits.ended } else { first.hits.max(second.hits) >= self.limits.most };
@@ -286,7 +287,7 @@ impl Stage<'_> {
                 if fast && self.limits.ended {
                     return [None; 2];
                 }
-                let held = stripes.list[spot.stripe as usize].marks[spot.at as usize].held;
+                let held = stripes.list[spot.stripe as usize].marks[spot.at as usize].has(Marks::HELD);
                 let Some(meeting) = self.meeting((i, j), held) else { return [None; 2] };
                 exchange(self, stripes, spot, (i, j), &meeting);
                 // A fixed ball goes on as it was: all that is foreseen of it still holds.

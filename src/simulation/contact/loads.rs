@@ -8,6 +8,7 @@
 use glam::DVec2;
 
 use super::find::Near;
+use super::holds::Marks;
 use super::sleep::Rest;
 use super::stripes::{Holder, Stripes};
 use super::{Body, Setting};
@@ -183,8 +184,11 @@ impl Near {
     pub(super) fn take_loads(&mut self, loads: &Loads, rests: &[Rest]) {
         for Passed { to: Holder { number, at, .. }, impulse, .. } in &loads.by_balls {
             // What is awake finds its own.
-            if self.stripes[*number].marks[*at].idle {
-                self.stripes[*number].holds[*at].impulse += impulse;
+            let stripe = &mut self.stripes[*number];
+            if stripe.marks[*at].has(Marks::IDLE)
+                && let Some(hold) = stripe.hold_mut(*at)
+            {
+                hold.impulse += impulse;
             }
         }
         for &(at, push) in loads.by_walls.iter().filter(|&&(at, _)| rests[at].asleep) {

@@ -33,6 +33,7 @@ mod show;
 mod sleep;
 mod stripes;
 mod support;
+mod sweep;
 mod take_up;
 mod team;
 mod thrown;
@@ -52,7 +53,7 @@ use find::{Cargo, Near};
 use layout::{Layer, Layout};
 use rounds::Course;
 use sleep::Rest;
-use stripes::of_layer;
+use sweep::{Pass, Share};
 use team::Team;
 
 /// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; more where gravity is strong.
@@ -177,12 +178,14 @@ impl Contact {
         self.impacts(tally);
         if self.setting.can_rest {
             self.support();
-        }
-        self.travel();
-        if self.setting.can_rest {
-            self.relax();
+            self.sweep(&[Pass::CARRY, Pass::TRAVEL, Pass::RELAX, Pass::RELAX_ON_WALLS, Pass::FIND_THROWN]);
             self.let_go_of_thrown();
             self.wake_unbalanced();
+        } else {
+            self.sweep(&[Pass::TRAVEL]);
+        }
+        if self.near.is_none() {
+            self.fly();
         }
         self.steps += 1;
         self.fall_asleep();
@@ -225,22 +228,22 @@ impl Contact {
         }
     }
 
+    /// Moves balls that meet nothing.
+    fn fly(&mut self) {
+        for body in &mut self.bodies {
+            body.position += body.velocity * self.setting.substep;
+        }
+    }
+}
+
+impl Pass<'_> {
     /// Moves the balls, none farther than the search for pairs has covered, and none through a wall.
-    #[inline]
-    fn travel(&mut self) {
-        let Self { setting, bodies, near, team, .. } = self;
-        let Setting { substep, size, walls, .. } = *setting;
-        let Some(near) = near else {
-            for body in bodies.iter_mut() {
-                body.position += body.velocity * substep;
-            }
-            return;
-        };
-        let layout = near.layout;
-        let shares = layout.share(Layer::Own, bodies).zip(layout.share_read(Layer::Own, &near.homes));
-        let shares = shares.zip(of_layer(&mut near.stripes, layout, Layer::Own));
-        team.each(shares, |((bodies, homes), stripe)| {
-            for ((at, body), home) in (0..).zip(bodies).zip(homes) {
+    const TRAVEL: Self = Self {
+        layers: &[Layer::Own],
+        only_busy: false,
+        work: &|setting, stripe, Share { bodies, homes, .. }| {
+            let Setting { substep, size, walls, .. } = *setting;
+            for ((at, body), home) in (0..).zip(bodies.iter_mut()).zip(homes.iter()) {
                 body.position += body.velocity * substep;
                 if !home.covers(body.position) {
                     body.position = home.limit(body.position);
@@ -251,8 +254,8 @@ impl Contact {
                     body.position = body.position.min(size - radius).max(radius);
                 }
             }
-        });
-    }
+        },
+    };
 }
 
 /// Whether balls can come to rest.

@@ -204,8 +204,8 @@ pub(super) struct Kept {
     /// Where the holds begin whose lower index is a ball's; one more than there are balls, or none where nothing
     /// was held.
     starts: Vec<u32>,
-    /// The higher index, and the hold as seen from there to the lower one.
-    holds: Vec<(u32, Hold)>,
+    /// Each hold as seen from the ball of the higher index to that of the lower one.
+    holds: Vec<Hold>,
     walls: Vec<(u32, DVec2)>,
 }
 
@@ -224,26 +224,24 @@ impl Kept {
         self.holds.clear();
         let held = || {
             numbered().flat_map(|(start, stripe)| {
-                let held = stripe.pairs.iter().zip(&stripe.holds).filter(|(_, hold)| hold.impulse > 0.0);
-                held.map(move |(pair, hold)| {
-                    let pair = pair.from(start);
-                    (Pair { first: place(pair.first), second: place(pair.second) }, hold)
+                stripe.holds.iter().filter(|hold| hold.impulse > 0.0).map(move |hold| {
+                    let pair = hold.pair.from(start);
+                    let pair = Pair { first: place(pair.first), second: place(pair.second) };
+                    Hold { pair, ..*hold }
                 })
             })
         };
-        if held().next().is_none() {
-            return;
-        }
+        let Some(any) = held().next() else { return };
         self.starts.resize(count + 1, 0);
-        for (pair, _) in held() {
+        for Hold { pair, .. } in held() {
             self.starts[pair.first.min(pair.second) as usize + 1] += 1;
         }
         sum_up(&mut self.starts);
         let total = self.starts[count];
-        self.holds.resize(total as usize, (0, Hold::NONE));
-        for (pair, hold) in held() {
-            let start = &mut self.starts[pair.first.min(pair.second) as usize];
-            self.holds[*start as usize] = (pair.first.max(pair.second), seen_from_lower(pair, *hold));
+        self.holds.resize(total as usize, any);
+        for hold in held().map(upright) {
+            let start = &mut self.starts[hold.pair.first as usize];
+            self.holds[*start as usize] = hold;
             *start += 1;
         }
         // Each start has become the next one's.
@@ -256,8 +254,8 @@ impl Kept {
         let (low, high) = (pair.first.min(pair.second), pair.first.max(pair.second));
         let ends = self.starts.get(low as usize..low as usize + 2)?;
         let holds = &self.holds[ends[0] as usize..ends[1] as usize];
-        let (_, hold) = holds.iter().find(|(other, _)| *other == high)?;
-        Some(seen_from_lower(pair, *hold))
+        let hold = *holds.iter().find(|hold| hold.pair.second == high)?;
+        Some(if pair.first == low { hold } else { hold.turned_round() })
     }
 
     /// The velocity that walls gave to a ball.
@@ -267,7 +265,15 @@ impl Kept {
     }
 }
 
-/// A hold with its directions as if the lower index were the first of the pair, or back.
-fn seen_from_lower(pair: Pair, hold: Hold) -> Hold {
-    if pair.first < pair.second { hold } else { Hold { normal: -hold.normal, grip: -hold.grip, ..hold } }
+/// A hold with the ball of the lower index as the first.
+fn upright(hold: Hold) -> Hold {
+    if hold.pair.first < hold.pair.second { hold } else { hold.turned_round() }
+}
+
+impl Hold {
+    /// The same, with the balls the other way round.
+    fn turned_round(self) -> Self {
+        let pair = Pair { first: self.pair.second, second: self.pair.first };
+        Self { normal: -self.normal, grip: -self.grip, pair, ..self }
+    }
 }

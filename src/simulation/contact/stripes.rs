@@ -5,14 +5,14 @@ use std::collections::BinaryHeap;
 
 use super::super::Tally;
 use super::events::Event;
-use super::holds::{Beside, Given, Hold, Mark, Pair};
+use super::holds::{Beside, Given, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Heights, Links};
 use super::support::Floor;
 use super::{Body, DVec2};
 
-/// The place of a ball that is not beside a wall.
-const NOWHERE: u32 = u32::MAX;
+/// The place of a ball that is not beside a wall, and of the hold of a pair that has none.
+pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// Pairs of a range of bodies, by the places of these within it, and what is known of them.
 #[derive(Debug, Clone, Default)]
@@ -20,21 +20,27 @@ pub(super) struct Stripe {
     /// Where there is gravity, the first is the upper one, and pairs stand in the order of its height, from the lowest
     /// up, before those that were added since.
     pub(super) pairs: Vec<Pair>,
-    /// For each pair, how it is held apart; empty where nothing rests.
+    /// How pairs are held apart: those that have been since the search, in the order in which they came to be.
     pub(super) holds: Vec<Hold>,
-    /// For each pair, what is to be done with it.
-    pub(super) marks: Vec<Mark>,
+    /// For each pair the place of its hold among them, or [`NOWHERE`].
+    pub(super) places_of_holds: Vec<u32>,
+    /// For each pair, what is known of it.
+    pub(super) marks: Vec<Marks>,
     pub(super) links: Links,
     pub(super) heights: Heights,
     /// Bodies of this stripe, no seam, that may touch a wall.
     pub(super) beside: Vec<Beside>,
     /// For each body its place among them, or [`NOWHERE`].
     places_beside: Vec<u32>,
-    /// The pairs that are held apart in a substep.
+    /// The pairs that may have to be held apart in a substep, as they stand, and dealt.
+    pub(super) close: Vec<u32>,
+    pub(super) dealt: Vec<u32>,
+    /// The places of the holds of those that are, dealt.
     pub(super) touching: Vec<u32>,
-    /// Where the pairs of each upper ball end among them, after a 0.
+    /// The same, those of each upper ball side by side, and where these end, after a 0.
+    pub(super) carrying: Vec<u32>,
     pub(super) uppers: Vec<u32>,
-    /// For each of those that may have to be, where its first ball is at the substep's beginning, seen from the second, and
+    /// For each dealt pair, where its first ball is at the substep's beginning, seen from the second, and
     /// how far away, px.
     pub(super) ways: Vec<DVec2>,
     pub(super) distances: Vec<f64>,
@@ -66,9 +72,10 @@ pub(super) struct Stripe {
 impl Stripe {
     /// Forgets all pairs and walls.
     pub(super) fn clear(&mut self, count: usize) {
-        let Self { pairs, holds, marks, links, beside, places_beside, .. } = self;
+        let Self { pairs, holds, places_of_holds, marks, links, beside, places_beside, .. } = self;
         pairs.clear();
         holds.clear();
+        places_of_holds.clear();
         marks.clear();
         links.clear();
         beside.clear();
@@ -77,6 +84,11 @@ impl Stripe {
         self.touching.clear();
         self.strays.clear();
         self.disturbed.clear();
+    }
+
+    /// Whether it has neither pairs nor anything beside a wall.
+    pub(super) fn is_idle(&self) -> bool {
+        self.pairs.is_empty() && self.beside.is_empty()
     }
 
     /// Links each body of so many to its pairs, as far as they are not linked yet.
@@ -98,31 +110,44 @@ impl Stripe {
         self.places_beside.get(body as usize).filter(|&&place| place != NOWHERE).map(|&place| place as usize)
     }
 
-    /// Adds a pair, which may press in a stripe where things rest.
-    pub(super) fn add_pair(&mut self, pair: Pair, give: f64, can_rest: bool) {
+    /// Adds a pair of balls of these inverse masses.
+    pub(super) fn add_pair(&mut self, pair: Pair, first: f64, second: f64) {
         self.pairs.push(pair);
-        self.marks.push(Mark { held: false, live: false, close: true, idle: give == 0.0 });
-        if can_rest {
-            self.holds.push(Hold { mass: give.recip(), ..Hold::NONE });
-        }
+        let mut marks = Marks::CLOSE;
+        marks.weigh(first, second);
+        self.marks.push(marks);
+        self.places_of_holds.push(NOWHERE);
     }
 
     /// Notes that a pair has exchanged momentum; `after` the substep's beginning or right then.
     pub(super) fn note_met(&mut self, at: usize, after: bool) {
-        if let Some(hold) = self.holds.get_mut(at) {
-            hold.met |= after;
-            self.marks[at].live = true;
+        let marks = &mut self.marks[at];
+        *marks = *marks | Marks::LIVE;
+        if after {
+            *marks = *marks | Marks::MET;
         }
+    }
+
+    /// How a pair is held apart, if it ever was.
+    #[inline]
+    pub(super) fn hold(&self, at: usize) -> Option<&Hold> {
+        self.holds.get(self.places_of_holds[at] as usize)
+    }
+
+    /// The same, to be changed.
+    #[inline]
+    pub(super) fn hold_mut(&mut self, at: usize) -> Option<&mut Hold> {
+        self.holds.get_mut(self.places_of_holds[at] as usize)
     }
 
     /// Finds the mass of a pair anew, and whether it is idle.
     #[inline]
     pub(super) fn weigh(&mut self, at: usize, bodies: &[Body]) {
         let pair = self.pairs[at];
-        let give = bodies[pair.first as usize].inverse_mass + bodies[pair.second as usize].inverse_mass;
-        self.marks[at].idle = give == 0.0;
-        if let Some(hold) = self.holds.get_mut(at) {
-            hold.mass = give.recip();
+        let [first, second] = [pair.first, pair.second].map(|body| bodies[body as usize].inverse_mass);
+        self.marks[at].weigh(first, second);
+        if let Some(hold) = self.hold_mut(at) {
+            hold.mass = (first + second).recip();
         }
     }
 
@@ -158,10 +183,9 @@ impl Stripes<'_> {
         let mut given = Given { velocity: DVec2::ZERO, pressed: 0.0 };
         for number in self.layout.of_body(body) {
             let (stripe, body) = (&self.list[number], (body - self.layout.start(number)) as u32);
-            for at in stripe.links.of(body) {
-                let hold = &stripe.holds[at];
+            for hold in stripe.links.of(body).filter_map(|at| stripe.hold(at)) {
                 let push = (hold.normal * hold.impulse + hold.grip) * inverse_mass;
-                given.velocity += if stripe.pairs[at].first == body { push } else { -push };
+                given.velocity += if hold.pair.first == body { push } else { -push };
                 given.pressed += hold.impulse * inverse_mass;
             }
             if let Some(at) = stripe.place_beside(body) {
@@ -176,14 +200,14 @@ impl Stripes<'_> {
     pub(super) fn holders(&self, body: usize) -> impl Iterator<Item = Holder> {
         self.layout.of_body(body).flat_map(move |number| {
             let (stripe, start) = (&self.list[number], self.layout.start(number));
-            stripe.links.of((body - start) as u32).filter(|&at| stripe.holds[at].impulse > 0.0).map(
-                move |at| {
-                    let (pair, normal) = (stripe.pairs[at].from(start), stripe.holds[at].normal);
-                    let (first, second) = (pair.first as usize, pair.second as usize);
-                    let (other, normal) = if first == body { (second, normal) } else { (first, -normal) };
-                    Holder { number, at, other, normal }
-                },
-            )
+            let holds = stripe.links.of((body - start) as u32).map(|at| (at, stripe.hold(at)));
+            let holds = holds.filter_map(|(at, hold)| Some((at, hold?)));
+            holds.filter(|(_, hold)| hold.impulse > 0.0).map(move |(at, hold)| {
+                let (pair, normal) = (hold.pair.from(start), hold.normal);
+                let (first, second) = (pair.first as usize, pair.second as usize);
+                let (other, normal) = if first == body { (second, normal) } else { (first, -normal) };
+                Holder { number, at, other, normal }
+            })
         })
     }
 

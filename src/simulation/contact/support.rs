@@ -13,10 +13,9 @@ use glam::DVec2;
 use super::super::lesser::lesser;
 use super::find::{FEW, Near};
 use super::holds::{Hold, Pair};
-use super::impacts::Fate;
 use super::layout::Layer;
-use super::sleep::Rest;
-use super::stripes::{Stripe, of_layer};
+use super::stripes::Stripe;
+use super::sweep::{Pass, Share};
 use super::wall_support::{hold_on_walls, relax_on_walls};
 use super::{Body, Contact, Setting};
 
@@ -46,107 +45,97 @@ const SETTLED_OF_FEW: f64 = 1e-3;
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
-        self.sweep(Layer::OUTWARD, |setting, stripe, bodies| {
-            if setting.kick == DVec2::ZERO {
-                stripe.forget();
-            }
-            hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
-            stripe.take_up_all(setting, bodies);
-            stripe.unsettled = true;
-        });
-        let stripes = self.near.iter().flat_map(|near| &near.stripes);
-        let touching: usize = stripes.map(|stripe| stripe.touching.len()).sum();
-        let (rounds, settled, left) = match self.bodies.len() {
+        let few = self.bodies.len() <= FEW;
+        let (rounds, settled, left) = match self.near.as_ref() {
             // Nothing presses: overlaps are only moved out of.
             _ if self.setting.kick == DVec2::ZERO => (1, SETTLED, YIELDING),
             // It does not settle before there is room again.
-            _ if self.near.as_ref().is_some_and(|near| near.crowd) => (1, SETTLED, YIELDING),
-            ..=FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, YIELDING),
+            Some(near) if near.crowd => (1, SETTLED, YIELDING),
+            _ if few => (ROUNDS_OF_FEW, SETTLED_OF_FEW, YIELDING),
             // As many as few balls may have: the others fly, or sleep.
-            _ if touching <= 3 * FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, YIELDING_OF_FEW),
+            Some(near) if near.touched <= 3 * FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, YIELDING_OF_FEW),
             _ => (ROUNDS, SETTLED, YIELDING),
         };
         let most = settled / self.setting.substep;
-        for round in 1..=rounds {
+        let inward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
             // Stripes that have settled are left as they are.
-            self.sweep(Layer::INWARD, |setting, stripe, bodies| {
-                if !std::mem::take(&mut stripe.unsettled) {
-                    return;
-                }
-                let pressed = stripe.press_inward(bodies.bodies, left, most);
-                let held = hold_on_walls(setting, bodies.bodies, &mut stripe.beside) > most;
-                stripe.unsettled = pressed || held;
-            });
-            let unsettled = |near: &Near| near.stripes.iter().any(|stripe| stripe.unsettled);
-            if round == rounds || !self.near.as_ref().is_some_and(unsettled) {
+            if !std::mem::take(&mut stripe.unsettled) {
+                return;
+            }
+            let pressed = stripe.press_inward(share.bodies, left, most);
+            let held = hold_on_walls(setting, share.bodies, &mut stripe.beside) > most;
+            stripe.unsettled = pressed || held;
+        };
+        let outward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
+            if !stripe.unsettled {
+                return;
+            }
+            hold_on_walls(setting, share.bodies, &mut stripe.beside);
+            stripe.press_outward(share.bodies, left);
+        };
+        let (inward, outward) =
+            (Pass::over_near(Layer::INWARD, &inward), Pass::over_near(Layer::OUTWARD, &outward));
+        self.sweep(&[Pass::over_near(Layer::OUTWARD, &take_up), inward]);
+        let unsettled = |near: &Near| near.stripes.iter().any(|stripe| stripe.unsettled);
+        for _ in 1..rounds {
+            if !self.near.as_ref().is_some_and(unsettled) {
                 break;
             }
-            self.sweep(Layer::OUTWARD, |setting, stripe, bodies| {
-                if !stripe.unsettled {
-                    return;
-                }
-                hold_on_walls(setting, bodies.bodies, &mut stripe.beside);
-                stripe.press_outward(bodies.bodies, left);
-            });
+            self.sweep(&[outward, inward]);
         }
-        // Without gravity nothing lies on anything.
-        if self.setting.kick != DVec2::ZERO {
-            self.sweep(Layer::AROUND, |_, stripe, bodies| stripe.carry_all(bodies.bodies));
+        if let Some(near) = &mut self.near {
+            near.touched = near.stripes.iter().map(|stripe| stripe.touching.len()).sum();
         }
     }
+}
+
+/// Takes up what holds a stripe's balls.
+fn take_up(setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>) {
+    if setting.kick == DVec2::ZERO {
+        stripe.forget();
+    }
+    hold_on_walls(setting, share.bodies, &mut stripe.beside);
+    stripe.take_up_all(setting, share);
+    stripe.unsettled = true;
+}
+
+impl Pass<'_> {
+    /// Stops what still sinks on what carries it. Without gravity nothing lies on anything.
+    pub(super) const CARRY: Self = Self {
+        layers: Layer::AROUND,
+        only_busy: true,
+        work: &|setting, stripe, share| {
+            if setting.kick != DVec2::ZERO {
+                stripe.carry_all(share.bodies);
+            }
+        },
+    };
 
     /// Takes the velocities away that moved balls out of overlaps.
-    pub(super) fn relax(&mut self) {
-        self.sweep(Layer::OUTWARD, |setting, stripe, bodies| stripe.relax_all(setting, bodies.bodies));
-        self.sweep(&[Layer::Own], |_, stripe, bodies| relax_on_walls(bodies.bodies, &mut stripe.beside));
-    }
+    pub(super) const RELAX: Self = Self {
+        layers: Layer::OUTWARD,
+        only_busy: true,
+        work: &|setting, stripe, share| stripe.relax_all(setting, share.bodies),
+    };
 
-    /// Works on the stripes of one layer after the other.
-    fn sweep(
-        &mut self,
-        layers: &[Layer],
-        work: impl Fn(&Setting, &mut Stripe, &mut Share<'_>) + Sync + Send,
-    ) {
-        let Self { setting, bodies, rests, near: Some(near), course, team, .. } = self else { return };
-        let layout = near.layout;
-        if let [stripe] = &mut near.stripes[..] {
-            let times = layers.iter().filter(|&&layer| layer == Layer::Own).count();
-            let share = &mut Share { bodies, fates: &course.fates, rests };
-            (0..times).for_each(|_| work(setting, stripe, share));
-            return;
-        }
-        for &layer in layers {
-            let shares = of_layer(&mut near.stripes, layout, layer).iter_mut();
-            let shares = shares.zip(layout.share(layer, bodies));
-            let shares = shares.zip(layout.share_read(layer, &course.fates));
-            let shares = shares.zip(layout.share_read(layer, rests));
-            let busy =
-                shares.filter(|(((stripe, _), _), _)| !(stripe.pairs.is_empty() && stripe.beside.is_empty()));
-            team.each(busy, |(((stripe, bodies), fates), rests)| {
-                work(setting, stripe, &mut Share { bodies, fates, rests });
-            });
-        }
-    }
+    /// The same of what walls gave.
+    pub(super) const RELAX_ON_WALLS: Self = Self {
+        layers: &[Layer::Own],
+        only_busy: true,
+        work: &|_, stripe, share| relax_on_walls(share.bodies, &mut stripe.beside),
+    };
 }
 
-/// Pairs are looked at in hands of so many, a power of two ...
-const HAND: usize = 16;
-/// ... of which each so many places after the one before, around the hand; odd, so that none is left out.
-const STRIDE: usize = 5;
+/// Pairs are looked at in hands of so many, in this order: each five places after the one before, around the hand.
+const HAND: [usize; 16] = [0, 5, 10, 15, 4, 9, 14, 3, 8, 13, 2, 7, 12, 1, 6, 11];
 
-/// The places in a list of so many pairs, in an order in which those that follow each other seldom have a ball in common,
-/// as those of an upper ball do: a processor works on a few of them at a time then, where else each waits for the last.
-#[inline]
-pub(super) fn dealt(count: usize) -> impl DoubleEndedIterator<Item = usize> {
-    let whole = count - count % HAND;
-    (0..count).map(move |at| if at < whole { at - at % HAND + STRIDE * at % HAND } else { at })
-}
-
-/// The bodies of a stripe, and what is known of them.
-pub(super) struct Share<'a> {
-    pub(super) bodies: &'a mut [Body],
-    pub(super) fates: &'a [Fate],
-    pub(super) rests: &'a [Rest],
+/// Deals a list of pairs out: in an order in which those that follow each other seldom have a ball in common, as those of
+/// an upper ball do. A processor works on a few of them at a time then, where else each waits for the last.
+pub(super) fn deal(pairs: &[u32], dealt: &mut Vec<u32>) {
+    let (hands, others) = pairs.as_chunks();
+    dealt.clear();
+    dealt.extend(hands.iter().flat_map(|hand: &[u32; HAND.len()]| HAND.map(|place| hand[place])));
+    dealt.extend_from_slice(others);
 }
 
 impl Stripe {
@@ -162,15 +151,16 @@ impl Stripe {
 
     /// Stops what still sinks, from the ground up.
     fn carry_all(&mut self, bodies: &mut [Body]) {
-        let Self { pairs, holds, touching, uppers, floors, .. } = self;
-        let (pairs, touching) = (&pairs[..], &touching[..]);
-        let holds = &holds[..pairs.len()];
+        let Self { holds, carrying, uppers, floors, .. } = self;
+        let (holds, carrying) = (&holds[..], &carrying[..]);
         for ends in uppers.windows(2) {
-            let its = &touching[ends[0] as usize..ends[1] as usize];
+            let its = &carrying[ends[0] as usize..ends[1] as usize];
             let Some(&first) = its.first() else { continue };
-            let upper = pairs[first as usize].first as usize;
-            let floor =
-                |&at: &u32| Floor::of(&holds[at as usize], &bodies[pairs[at as usize].second as usize]);
+            let upper = holds[first as usize].pair.first as usize;
+            let floor = |&at: &u32| {
+                let hold = &holds[at as usize];
+                Floor::of(hold, &bodies[hold.pair.second as usize])
+            };
             match its {
                 // On one it lies as on two that are the same: that takes no branch, which a processor could not foresee.
                 [one] | [one, _] => {
@@ -192,8 +182,8 @@ impl Stripe {
 
     /// Takes the velocities away that moved balls out of overlaps, and brakes what slides.
     fn relax_all(&mut self, setting: &Setting, bodies: &mut [Body]) {
-        let places = dealt(self.touching.len());
-        self.each_touching(places, bodies, |hold, first, second| {
+        let Self { holds, touching, .. } = self;
+        each(holds, touching.iter(), bodies, |hold, first, second| {
             hold.least = lesser(0.0, hold.least);
             // Across what presses: neither changes the other.
             let sliding = hold.normal.perp_dot(first.velocity - second.velocity);
@@ -205,9 +195,9 @@ impl Stripe {
     /// Holds all pairs apart that touch, one after the other with gravity. Whether that moves any ball faster than at
     /// `most` sums of both radii a second.
     fn press_inward(&mut self, bodies: &mut [Body], left: f64, most: f64) -> bool {
-        let places = dealt(self.touching.len()).rev();
+        let Self { holds, touching, .. } = self;
         let mut moves = false;
-        self.each_touching(places, bodies, |hold, first, second| {
+        each(holds, touching.iter().rev(), bodies, |hold, first, second| {
             let change = press(hold, first, second, left).abs();
             let speed = change * (first.inverse_mass + second.inverse_mass);
             moves |= speed > most * (first.radius + second.radius);
@@ -217,32 +207,28 @@ impl Stripe {
 
     /// The same against gravity.
     fn press_outward(&mut self, bodies: &mut [Body], left: f64) {
-        let places = dealt(self.touching.len());
-        self.each_touching(places, bodies, |hold, first, second| {
+        let Self { holds, touching, .. } = self;
+        each(holds, touching.iter(), bodies, |hold, first, second| {
             press(hold, first, second, left);
         });
     }
+}
 
-    /// Works on all pairs that touch, at these places among them.
-    #[inline]
-    fn each_touching(
-        &mut self,
-        places: impl Iterator<Item = usize>,
-        bodies: &mut [Body],
-        mut work: impl FnMut(&mut Hold, &mut Body, &mut Body),
-    ) {
-        let Self { pairs, holds, touching, .. } = self;
-        // Slices of one length: a compiler knows then that these do not change, and looks at a place once.
-        let (pairs, touching) = (&pairs[..], &touching[..]);
-        let holds = &mut holds[..pairs.len()];
-        for place in places {
-            let at = touching[place] as usize;
-            let (first, second) = two(bodies, pairs[at]);
-            // A copy is kept in registers: what is written in parts and read as a whole makes a processor wait.
-            let mut hold = holds[at];
-            work(&mut hold, first, second);
-            (holds[at].least, holds[at].impulse) = (hold.least, hold.impulse);
-        }
+/// Works on the holds at these places.
+#[inline]
+fn each<'a>(
+    holds: &mut [Hold],
+    places: impl Iterator<Item = &'a u32>,
+    bodies: &mut [Body],
+    mut work: impl FnMut(&mut Hold, &mut Body, &mut Body),
+) {
+    for &place in places {
+        let hold = &mut holds[place as usize];
+        let (first, second) = two(bodies, hold.pair);
+        // A copy is kept in registers: what is written in parts and read as a whole makes a processor wait.
+        let mut copy = *hold;
+        work(&mut copy, first, second);
+        (hold.least, hold.impulse) = (copy.least, copy.impulse);
     }
 }
 
@@ -355,11 +341,15 @@ mod tests {
 
     #[test]
     fn every_pair_is_dealt_once_and_in_a_hand_none_after_its_neighbour() {
+        let mut dealt = Vec::new();
         for count in 0..100 {
-            let places: Vec<usize> = dealt(count).collect();
-            assert!((0..count).all(|place| places.contains(&place)) && places.len() == count, "{count}");
-            let hands = &places[..count - count % HAND];
-            assert!(hands.windows(2).all(|two| two[0].abs_diff(two[1]) > 1), "{count}: {places:?}");
+            deal(&(0..count).collect::<Vec<_>>(), &mut dealt);
+            assert!(
+                (0..count).all(|place| dealt.contains(&place)) && dealt.len() == count as usize,
+                "{count}"
+            );
+            let hands = &dealt[..dealt.len() - dealt.len() % HAND.len()];
+            assert!(hands.windows(2).all(|two| two[0].abs_diff(two[1]) > 1), "{count}: {dealt:?}");
         }
     }
 

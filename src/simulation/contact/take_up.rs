@@ -4,15 +4,18 @@
 //! Most of a pile presses as it did. How far apart its balls are is found for all pairs at once, before any velocity is
 //! changed: a processor then works on many of them at a time, and what each gives waits for no root.
 
+use std::mem::take;
+
 use glam::DVec2;
 
 use super::super::impulse::COINCIDENT_NORMAL;
 use super::super::lesser::lesser;
-use super::holds::Hold;
+use super::holds::{Hold, Marks, Pair};
 use super::impacts::{Fate, Shift};
 use super::meeting::COINCIDENT;
 use super::stripes::Stripe;
-use super::support::{MENDED, Share, YIELDING, dealt, give, press, two};
+use super::support::{MENDED, YIELDING, deal, give, press, two};
+use super::sweep::Share;
 use super::{Body, Setting};
 
 /// Pairs farther apart than this part of their radii, and not closing in, are left out of a substep.
@@ -25,54 +28,57 @@ const STEADY: f64 = 0.03;
 impl Stripe {
     /// Looks at all pairs anew, and holds those apart that are close.
     pub(super) fn take_up_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
-        self.gather_near();
+        self.gather_close();
+        deal(&self.close, &mut self.dealt);
         self.see_all(setting, share.bodies);
         self.hold_all(setting, share);
-        self.gather_touching();
+        self.gather_carrying();
+        deal(&self.carrying, &mut self.touching);
     }
 
     /// Gathers the pairs that may have to be held apart.
-    #[expect(clippy::needless_bitwise_bool, reason = "a branch there cannot be foreseen by a processor")]
-    fn gather_near(&mut self) {
-        let Self { marks, touching, .. } = self;
-        touching.resize(marks.len(), 0);
+    fn gather_close(&mut self) {
+        let Self { marks, close, .. } = self;
+        close.resize(marks.len(), 0);
+        let places = &mut close[..];
         let mut count = 0;
-        for (at, mark) in (0..).zip(marks) {
-            touching[count] = at;
-            count += usize::from((mark.close | mark.live) & !mark.idle);
+        for (at, marks) in (0..).zip(marks) {
+            places[count] = at;
+            count += usize::from(marks.has(Marks::CLOSE | Marks::LIVE) & !marks.has(Marks::IDLE));
         }
-        touching.truncate(count);
+        close.truncate(count);
     }
 
-    /// Gathers those that are held apart, and where the pairs of each upper ball begin.
-    #[expect(clippy::needless_bitwise_bool, reason = "as above")]
-    fn gather_touching(&mut self) {
-        let Self { pairs, marks, touching, uppers, .. } = self;
-        touching.resize(marks.len(), 0);
+    /// Gathers the holds of those that are held apart, and where those of each upper ball end.
+    #[expect(clippy::needless_bitwise_bool, reason = "a branch there cannot be foreseen by a processor")]
+    fn gather_carrying(&mut self) {
+        let Self { pairs, places_of_holds, marks, carrying, uppers, .. } = self;
+        carrying.resize(marks.len(), 0);
         uppers.resize(marks.len() + 1, 0);
+        let (places, ends) = (&mut carrying[..], &mut uppers[..]);
         let (mut count, mut balls, mut last) = (0, 0, u32::MAX);
-        for (at, (pair, mark)) in (0..).zip(pairs.iter().zip(marks)) {
-            let touches = mark.live & !mark.idle;
-            touching[count] = at;
+        for ((pair, marks), &place) in pairs.iter().zip(marks).zip(&*places_of_holds) {
+            let touches = marks.has(Marks::LIVE) & !marks.has(Marks::IDLE);
+            places[count] = place;
             count += usize::from(touches);
             balls += usize::from(touches & (pair.first != last));
             last = if touches { pair.first } else { last };
-            uppers[balls] = count as u32;
+            ends[balls] = count as u32;
         }
-        touching.truncate(count);
+        carrying.truncate(count);
         uppers.truncate(balls + 1);
     }
 
-    /// Sees how all gathered pairs lie, unless what is done with one moves others.
+    /// Sees how all dealt pairs lie, unless what is done with one moves others.
     fn see_all(&mut self, setting: &Setting, bodies: &[Body]) {
-        let Self { pairs, touching, ways, distances, .. } = self;
+        let Self { pairs, dealt, ways, distances, .. } = self;
         ways.clear();
         distances.clear();
         if setting.kick == DVec2::ZERO {
             return;
         }
         let pairs = &pairs[..];
-        ways.extend(touching.iter().map(|&at| {
+        ways.extend(dealt.iter().map(|&at| {
             let pair = pairs[at as usize];
             bodies[pair.first as usize].position - bodies[pair.second as usize].position
         }));
@@ -80,44 +86,75 @@ impl Stripe {
         distances.extend(ways.iter().map(|way| way.length_squared().sqrt()));
     }
 
-    /// Holds all gathered pairs apart that are close.
-    fn hold_all(&mut self, setting: &Setting, Share { bodies, fates, rests }: &mut Share<'_>) {
-        let Self { pairs, holds, marks, touching, ways, distances, disturbed, .. } = self;
-        let (pairs, touching) = (&pairs[..], &touching[..]);
-        let (ways, distances) = (&ways[..], &distances[..ways.len()]);
-        let (holds, marks) = (&mut holds[..pairs.len()], &mut marks[..pairs.len()]);
-        for place in dealt(touching.len()) {
-            let at = touching[place] as usize;
-            let (pair, hold, mark) = (pairs[at], &mut holds[at], &mut marks[at]);
-            let (first, second) = two(bodies, pair);
-            let carried = hold.impulse;
-            let shift = shift_of(fates, pair.first, pair.second);
-            // Most of a pile presses as it did.
-            let near = match ways.get(place) {
-                Some(&way) if carried > 0.0 && shift == Shift::None && !hold.met => {
-                    follow(setting, hold, first, second, (way, distances[place]));
-                    true
-                }
-                _ => take_up(setting, hold, first, second, shift),
-            };
-            let holds = near && (hold.met || hold.impulse > 0.0);
-            // What sleeps is seen at the body, which is at hand.
-            let still = first.inverse_mass == 0.0 || second.inverse_mass == 0.0;
-            if still && (mark.held || holds) {
-                for body in [pair.first, pair.second] {
-                    if bodies[body as usize].inverse_mass == 0.0 && rests[body as usize].asleep {
-                        disturbed.push((body, if holds { 0.0 } else { carried }));
-                    }
+    /// Holds all dealt pairs apart that are close.
+    fn hold_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
+        let calm = share.fates.iter().all(|fate| fate.shift == Shift::None);
+        let (dealt, ways) = (take(&mut self.dealt), take(&mut self.ways));
+        let distances = take(&mut self.distances);
+        if setting.kick == DVec2::ZERO {
+            for &at in &dealt {
+                self.hold_anew(at as usize, setting, share);
+            }
+        }
+        // Most of a pile presses as it did, nothing has hit it, and all of it can be moved.
+        let unlike = Marks::MET | Marks::STILL;
+        for ((&at, &way), &distance) in dealt.iter().zip(&ways).zip(&distances) {
+            let at = at as usize;
+            let (marks, place) = (&mut self.marks[at], self.places_of_holds[at]);
+            if let Some(hold) = self.holds.get_mut(place as usize)
+                && hold.impulse > 0.0
+                && distance >= COINCIDENT
+                && !marks.has(unlike)
+                && (calm || shift_of(share.fates, hold.pair) == Shift::None)
+            {
+                let (first, second) = two(share.bodies, hold.pair);
+                follow(setting, hold, first, second, (way, distance));
+                marks.set(Marks::LIVE, true);
+                marks.set(Marks::HELD, hold.impulse > 0.0);
+            } else {
+                self.hold_anew(at, setting, share);
+            }
+        }
+        (self.dealt, self.ways, self.distances) = (dealt, ways, distances);
+    }
+
+    /// Looks at a pair anew, and holds it apart where it is close.
+    ///
+    /// Not inlined: few of a pile need it, and it would take the registers of the others.
+    #[inline(never)]
+    fn hold_anew(&mut self, at: usize, setting: &Setting, share: &mut Share<'_>) {
+        let Self { pairs, holds, places_of_holds, marks, disturbed, .. } = self;
+        let Share { bodies, fates, rests, .. } = share;
+        let (pair, marks, place) = (pairs[at], &mut marks[at], &mut places_of_holds[at]);
+        let (first, second) = two(bodies, pair);
+        let met = marks.has(Marks::MET);
+        let known = holds.get(*place as usize).copied();
+        let mut hold =
+            known.unwrap_or_else(|| Hold::none(pair, (first.inverse_mass + second.inverse_mass).recip()));
+        let carried = hold.impulse;
+        let near = take_up(setting, &mut hold, (first, second), shift_of(fates, pair), met);
+        if known.is_some() {
+            holds[*place as usize] = hold;
+        } else if near {
+            *place = holds.len() as u32;
+            holds.push(hold);
+        }
+        let holds = near && (met || hold.impulse > 0.0);
+        if marks.has(Marks::STILL) && (marks.has(Marks::HELD) || holds) {
+            for body in [pair.first, pair.second] {
+                if bodies[body as usize].inverse_mass == 0.0 && rests[body as usize].asleep {
+                    disturbed.push((body, if holds { 0.0 } else { carried }));
                 }
             }
-            (mark.live, mark.held) = (near, holds);
-            hold.met = false;
         }
+        marks.set(Marks::LIVE, near);
+        marks.set(Marks::HELD, holds);
+        marks.set(Marks::MET, false);
     }
 }
 
 /// Turns the hold of a pair that presses, and was hit by nothing, and holds it apart: what [`take_up`] comes to for it.
-/// Where the first is, seen from the second, and how far away, is known.
+/// Where the first is, seen from the second, and how far away, is known; they are not at one place.
 #[inline]
 fn follow(
     setting: &Setting,
@@ -131,7 +168,7 @@ fn follow(
     let out = reach - distance;
     let mut turned = *hold;
     turned.least = setting.least_parting(lesser(MENDED * out, out), reach);
-    give(turned.turn(direction(offset, distance)), first, second);
+    give(turned.turn(offset / distance), first, second);
     press(&mut turned, first, second, YIELDING);
     *hold = turned;
 }
@@ -147,21 +184,22 @@ impl Setting {
 
 /// How two balls are shifted by impacts.
 #[inline]
-fn shift_of(fates: &[Fate], first: u32, second: u32) -> Shift {
-    fates[first as usize].shift.max(fates[second as usize].shift)
+fn shift_of(fates: &[Fate], pair: Pair) -> Shift {
+    fates[pair.first as usize].shift.max(fates[pair.second as usize].shift)
 }
 
 /// Looks at a pair anew: its direction and distance. Whether it is close enough to be held apart; then it is, once.
 /// Where one of them is shifted by an impact, its place says nothing of overlaps.
-///
-/// Not inlined: few of a pile need it, and it would take the registers of the others.
-#[inline(never)]
-fn take_up(setting: &Setting, hold: &mut Hold, first: &mut Body, second: &mut Body, shift: Shift) -> bool {
+fn take_up(
+    setting: &Setting,
+    hold: &mut Hold,
+    (first, second): (&mut Body, &mut Body),
+    shift: Shift,
+    met: bool,
+) -> bool {
     if shift == Shift::Far {
         // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
-        if hold.impulse > 0.0 {
-            let_go(hold, first, second);
-        }
+        let_go(hold, first, second);
         return false;
     }
     let offset = first.position - second.position;
@@ -170,13 +208,15 @@ fn take_up(setting: &Setting, hold: &mut Hold, first: &mut Body, second: &mut Bo
     let end = offset + (first.velocity - second.velocity) * setting.substep;
     let near = (1.0 + 2.0 * APART) * reach * reach;
     if hold.impulse == 0.0 && squared.min(end.length_squared()) > near {
+        // They have parted: what is left of earlier directions would go on for ever.
+        give(-take(&mut hold.grip), first, second);
         return false;
     }
     let distance = squared.sqrt();
     let gap = distance - reach;
     let end_apart = end.length_squared() > reach * reach;
     // One that was hit stands where it would have come from: what they part by themselves is no overlap.
-    let elsewhere = shift == Shift::Some || hold.met;
+    let elsewhere = shift == Shift::Some || met;
     let apart = gap > 0.0 || (elsewhere && end_apart);
     if apart && end_apart && hold.impulse == 0.0 {
         // They pass each other as they go now, and circles curve away from the tangent where they are: one where they

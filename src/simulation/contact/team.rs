@@ -18,6 +18,11 @@ impl Team {
         }
     }
 
+    /// Whether there is no thread but the caller's own.
+    pub(super) fn is_one(&self) -> bool {
+        self.pool.is_none()
+    }
+
     /// Runs `work` where [`each`](Self::each) finds the threads at once.
     pub(super) fn gather<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {

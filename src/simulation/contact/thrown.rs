@@ -7,28 +7,37 @@
 use glam::DVec2;
 
 use super::layout::Layer;
-use super::stripes::{Stripes, of_layer};
+use super::stripes::Stripes;
 use super::support::two;
+use super::sweep::Pass;
 use super::take_up::let_go;
 use super::{Body, Contact};
 
 /// A ball is thrown by what changes its velocity in a substep by more than so many kicks of gravity.
 pub(super) const THROWN: f64 = 100.0;
 
+impl Pass<'_> {
+    /// Finds the balls that what held them has thrown.
+    pub(super) const FIND_THROWN: Self = Self {
+        layers: &[Layer::Own],
+        only_busy: false,
+        work: &|setting, stripe, share| {
+            if setting.kick == DVec2::ZERO {
+                return;
+            }
+            let most = THROWN * THROWN * setting.kick.length_squared();
+            let thrown = |body: &Body| (body.velocity - body.free).length_squared() > most;
+            let bodies = (0..).zip(share.bodies.iter());
+            stripe.thrown.extend(bodies.filter(|(_, body)| thrown(body)).map(|(at, _)| at));
+        },
+    };
+}
+
 impl Contact {
     /// Forgets what held the balls that it has thrown.
     pub(super) fn let_go_of_thrown(&mut self) {
-        let Self { setting, bodies, near: Some(near), team, .. } = self else { return };
-        if setting.kick == DVec2::ZERO {
-            return;
-        }
-        let most = THROWN * THROWN * setting.kick.length_squared();
+        let Self { bodies, near: Some(near), .. } = self else { return };
         let layout = near.layout;
-        let shares = layout.share_read(Layer::Own, bodies);
-        team.each(shares.zip(of_layer(&mut near.stripes, layout, Layer::Own)), |(bodies, stripe)| {
-            let thrown = |body: &Body| (body.velocity - body.free).length_squared() > most;
-            stripe.thrown.extend((0..).zip(bodies).filter(|(_, body)| thrown(body)).map(|(at, _)| at));
-        });
         if near.stripes.iter().all(|stripe| stripe.thrown.is_empty()) {
             return;
         }
@@ -51,13 +60,14 @@ impl Stripes<'_> {
             let (stripe, own) = (&mut self.list[number], (body - start) as u32);
             let mut cursor = stripe.links.begin(own);
             while let Some(at) = stripe.links.next(&mut cursor) {
-                let (pair, hold) = (stripe.pairs[at], &mut stripe.holds[at]);
-                if hold.impulse > 0.0 {
-                    let other = if pair.first == own { pair.second } else { pair.first };
-                    stripe.disturbed.push((other, hold.impulse));
-                }
+                let Some(hold) = stripe.hold_mut(at) else { continue };
+                let (pair, lost) = (hold.pair, hold.impulse);
                 let (first, second) = two(&mut bodies[start..], pair);
                 let_go(hold, first, second);
+                if lost > 0.0 {
+                    let other = if pair.first == own { pair.second } else { pair.first };
+                    stripe.disturbed.push((other, lost));
+                }
             }
             if let Some(at) = stripe.place_beside(own) {
                 stripe.beside[at].push = DVec2::ZERO;

@@ -10,6 +10,7 @@ use glam::DVec2;
 use super::super::simultaneous::{self, exchange, lie_in_each_other};
 use super::SHIFT;
 use super::events::{Event, Spot};
+use super::holds::Marks;
 use super::impacts::{Shift, Stage, pair};
 use super::meeting::{Meeting, strike};
 use super::stripes::Stripes;
@@ -68,7 +69,7 @@ impl Stage<'_> {
         if !(flies(bodies.0) && flies(bodies.1)) {
             return None;
         }
-        let held = stripes.list[spot.stripe as usize].marks[spot.at as usize].held;
+        let held = stripes.list[spot.stripe as usize].marks[spot.at as usize].has(Marks::HELD);
         let meeting = if held { None } else { self.meeting(bodies, held) }?;
         let reach = self.bodies[bodies.0].radius + self.bodies[bodies.1].radius;
         (!lie_in_each_other(meeting.offset, reach)).then_some(Meets { spot, bodies, meeting })
