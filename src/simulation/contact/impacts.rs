@@ -240,24 +240,24 @@ impl Stage<'_> {
         let pair = stripe.pairs[at].from(start);
         let (i, j) = (pair.first as usize, pair.second as usize);
         let (first, second) = (&self.fates[i], &self.fates[j]);
-        let (held, idle) = (stripe.marks[at].has(Marks::HELD), stripe.marks[at].has(Marks::IDLE));
-        let presses = held && first.slow && second.slow;
+        let (marks, firm) = (stripe.marks[at], stripe.firm(at, self.setting));
+        let presses = firm.is_some() && first.slow && second.slow;
         let fast = first.fast || second.fast;
         let enough = if fast { self.limits.ended } else { first.hits.max(second.hits) >= self.limits.most };
         let hits = (first.hits, second.hits);
-        if !idle
+        if !marks.has(Marks::IDLE)
             && !presses
             && !enough
-            && let Some(meeting) = self.meeting((i, j), held)
+            && let Some(meeting) = self.meeting((i, j), firm)
         {
             self.queue.push(Event { time: meeting.time, what: What::Pair(spot), hits });
         }
     }
 
     /// Whether, and how, two bodies meet in this substep after both were hit.
-    pub(super) fn meeting(&self, (i, j): (usize, usize), held: bool) -> Option<Meeting> {
+    pub(super) fn meeting(&self, (i, j): (usize, usize), firm: Option<f64>) -> Option<Meeting> {
         let since = self.fates[i].time.max(self.fates[j].time);
-        Meeting::of(self.setting, &self.bodies[i], &self.bodies[j], held, since)
+        Meeting::of(self.setting, &self.bodies[i], &self.bodies[j], firm, since)
     }
 
     /// The bodies of an impact that is foreseen.
@@ -287,8 +287,8 @@ impl Stage<'_> {
                 if fast && self.limits.ended {
                     return [None; 2];
                 }
-                let held = stripes.list[spot.stripe as usize].marks[spot.at as usize].has(Marks::HELD);
-                let Some(meeting) = self.meeting((i, j), held) else { return [None; 2] };
+                let firm = stripes.list[spot.stripe as usize].firm(spot.at as usize, self.setting);
+                let Some(meeting) = self.meeting((i, j), firm) else { return [None; 2] };
                 exchange(self, stripes, spot, (i, j), &meeting);
                 // A fixed ball goes on as it was: all that is foreseen of it still holds.
                 let moved = [i, j].map(|body| (self.bodies[body].inverse_mass > 0.0).then_some(body));

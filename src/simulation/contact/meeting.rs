@@ -47,13 +47,20 @@ pub(super) struct Meeting {
 }
 
 impl Meeting {
-    /// `None` where they do not meet in this substep after `since`.
-    pub(super) fn of(setting: &Setting, first: &Body, second: &Body, held: bool, since: f64) -> Option<Self> {
+    /// `None` where they do not meet in this substep after `since`, or meet more slowly than `firm`, px/s, where they
+    /// press on each other.
+    pub(super) fn of(
+        setting: &Setting,
+        first: &Body,
+        second: &Body,
+        firm: Option<f64>,
+        since: f64,
+    ) -> Option<Self> {
         let offset = first.position - second.position;
         let velocity = first.velocity - second.velocity;
         let closing = offset.dot(velocity);
         let reach = first.radius + second.radius;
-        if closing >= 0.0 || (held && -closing < setting.firm * reach) {
+        if closing >= 0.0 || firm.is_some_and(|firm| -closing < firm * reach) {
             return None;
         }
         // From where they are when the later one was hit.
@@ -78,7 +85,7 @@ impl Meeting {
         // presses them together now; but by no more than the mean velocity in the substep, in which what they were
         // given already counts: none may give more than it finds.
         let change = first.change(setting.kick) - second.change(setting.kick);
-        let then = velocity + change * if held { -1.0 } else { time / setting.substep - 0.5 };
+        let then = velocity + change * if firm.is_some() { -1.0 } else { time / setting.substep - 0.5 };
         let closing = offset.dot(velocity).max(offset.dot(then));
         let length = offset.length();
         if closing >= 0.0 || length < COINCIDENT {

@@ -68,8 +68,11 @@ const MOST_SHORTENED: f64 = 1024.0;
 /// substeps: what starts in an overlap parts, and is not shot away.
 const MENDING: f64 = 4.0;
 
-/// A pair that holds each other bounces only where it meets faster than so many kicks of gravity.
+/// A pair that holds each other bounces only where it meets faster than so many kicks of gravity ...
 const FIRM: f64 = 2.0;
+/// ... and this part of the velocity that the hold gives it in a substep, but no more than so many kicks: under a great
+/// load, what is left to be found of that is no impact.
+const PRESSED: (f64, f64) = (0.2, 200.0);
 
 /// A ball that an impact shifts by less than this part of its radius counts as not shifted.
 const SHIFT: f64 = 0.02;
@@ -86,7 +89,7 @@ struct Setting {
     kick: DVec2,
     /// Whether balls can come to rest: there is gravity, or something takes energy.
     can_rest: bool,
-    /// A pair that holds each other bounces only where it meets faster than this, px/s.
+    /// A pair that holds each other bounces only where it meets faster than this, px/s, and than its load asks for.
     firm: f64,
     /// Overlaps are taken away at so many sums of both radii a second, at most.
     mending: f64,

@@ -9,7 +9,7 @@ use super::holds::{Beside, Given, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Heights, Links};
 use super::support::Floor;
-use super::{Body, DVec2};
+use super::{Body, DVec2, PRESSED, Setting};
 
 /// The place of a ball that is not beside a wall, and of the hold of a pair that has none.
 pub(super) const NOWHERE: u32 = u32::MAX;
@@ -138,6 +138,17 @@ impl Stripe {
     #[inline]
     pub(super) fn hold_mut(&mut self, at: usize) -> Option<&mut Hold> {
         self.holds.get_mut(self.places_of_holds[at] as usize)
+    }
+
+    /// The speed, px/s, below which a pair that presses on each other does not bounce; [`None`] where it does not press.
+    #[inline]
+    pub(super) fn firm(&self, at: usize, setting: &Setting) -> Option<f64> {
+        if !self.marks[at].has(Marks::HELD) {
+            return None;
+        }
+        let (part, most) = PRESSED;
+        let carried = self.hold(at).map_or(0.0, |hold| part * hold.impulse / hold.mass);
+        Some(setting.firm + carried.min(most * setting.kick.length()))
     }
 
     /// Finds the mass of a pair anew, and whether it is idle.

@@ -70,7 +70,7 @@ impl Stage<'_> {
             return None;
         }
         let held = stripes.list[spot.stripe as usize].marks[spot.at as usize].has(Marks::HELD);
-        let meeting = if held { None } else { self.meeting(bodies, held) }?;
+        let meeting = if held { None } else { self.meeting(bodies, None) }?;
         let reach = self.bodies[bodies.0].radius + self.bodies[bodies.1].radius;
         (!lie_in_each_other(meeting.offset, reach)).then_some(Meets { spot, bodies, meeting })
     }
