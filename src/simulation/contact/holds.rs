@@ -47,6 +47,8 @@ impl Hold {
 pub(super) struct Marks(u8);
 
 impl Marks {
+    /// Nothing is so.
+    pub(super) const NONE: Self = Self(0);
     /// The two pressed on each other, or met, in the last substep.
     pub(super) const HELD: Self = Self(1);
     /// Its hold was looked after in the last substep, pressed or not, or the two have met since. The impulse of others
@@ -87,6 +89,15 @@ impl std::ops::BitOr for Marks {
     #[inline]
     fn bitor(self, other: Self) -> Self {
         Self(self.0 | other.0)
+    }
+}
+
+impl std::ops::BitXor for Marks {
+    type Output = Self;
+
+    #[inline]
+    fn bitxor(self, other: Self) -> Self {
+        Self(self.0 ^ other.0)
     }
 }
 

@@ -252,7 +252,14 @@ impl Pass<'_> {
                     body.position = home.limit(body.position);
                     stripe.strays.push(at);
                 }
-                if walls.is_some() && body.inverse_mass > 0.0 {
+            }
+            if walls.is_none() {
+                return;
+            }
+            // No others can be at a wall.
+            for beside in &stripe.beside {
+                let body = &mut bodies[beside.body as usize];
+                if body.inverse_mass > 0.0 {
                     let radius = DVec2::splat(body.radius);
                     body.position = body.position.min(size - radius).max(radius);
                 }

@@ -9,6 +9,7 @@ use super::holds::{Beside, Given, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Heights, Links};
 use super::support::Floor;
+use super::take_up::Followed;
 use super::{Body, DVec2, PRESSED, Setting};
 
 /// The place of a ball that is not beside a wall, and of the hold of a pair that has none.
@@ -35,11 +36,13 @@ pub(super) struct Stripe {
     /// The pairs that may have to be held apart in a substep, as they stand, and dealt.
     pub(super) close: Vec<u32>,
     pub(super) dealt: Vec<u32>,
+    pub(super) close_for: Followed,
     /// The places of the holds of those that are, dealt.
     pub(super) touching: Vec<u32>,
     /// The same, those of each upper ball side by side, and where these end, after a 0.
     pub(super) carrying: Vec<u32>,
     pub(super) uppers: Vec<u32>,
+    pub(super) carrying_for: Followed,
     /// For each dealt pair, where its first ball is at the substep's beginning, seen from the second, and
     /// how far away, px.
     pub(super) ways: Vec<DVec2>,
@@ -73,6 +76,12 @@ impl Stripe {
     /// Forgets all pairs and walls.
     pub(super) fn clear(&mut self, count: usize) {
         let Self { pairs, holds, places_of_holds, marks, links, beside, places_beside, .. } = self;
+        let Self { close, dealt, close_for, touching, carrying, uppers, carrying_for, .. } = self;
+        for list in [close, dealt, touching, carrying, uppers] {
+            list.clear();
+        }
+        close_for.forget();
+        carrying_for.forget();
         pairs.clear();
         holds.clear();
         places_of_holds.clear();
@@ -81,7 +90,6 @@ impl Stripe {
         beside.clear();
         places_beside.clear();
         places_beside.resize(count, NOWHERE);
-        self.touching.clear();
         self.strays.clear();
         self.disturbed.clear();
     }

@@ -28,12 +28,16 @@ const STEADY: f64 = 0.03;
 impl Stripe {
     /// Looks at all pairs anew, and holds those apart that are close.
     pub(super) fn take_up_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
-        self.gather_close();
-        deal(&self.close, &mut self.dealt);
+        if !self.close_for.stands(&self.marks, Marks::CLOSE | Marks::LIVE | Marks::IDLE, 0) {
+            self.gather_close();
+            deal(&self.close, &mut self.dealt);
+        }
         self.see_all(setting, share.bodies);
         self.hold_all(setting, share);
-        self.gather_carrying();
-        deal(&self.carrying, &mut self.touching);
+        if !self.carrying_for.stands(&self.marks, Marks::LIVE | Marks::IDLE, self.holds.len()) {
+            self.gather_carrying();
+            deal(&self.carrying, &mut self.touching);
+        }
     }
 
     /// Gathers the pairs that may have to be held apart.
@@ -150,6 +154,34 @@ impl Stripe {
         marks.set(Marks::LIVE, near);
         marks.set(Marks::HELD, holds);
         marks.set(Marks::MET, false);
+    }
+}
+
+/// What a list of pairs was gathered for. A pile is much the same from one substep to the next: most lists stand.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Followed {
+    marks: Vec<Marks>,
+    holds: usize,
+}
+
+impl Followed {
+    /// Notes that the list is empty, as are all pairs.
+    pub(super) fn forget(&mut self) {
+        self.marks.clear();
+        self.holds = 0;
+    }
+
+    /// Whether the list stands still: pairs have the same of `these` marks, and there are so many holds, as before. Where
+    /// not, notes how it is now.
+    fn stands(&mut self, marks: &[Marks], these: Marks, holds: usize) -> bool {
+        let changed = self.marks.iter().zip(marks).fold(Marks::NONE, |all, (&old, &new)| all | (old ^ new));
+        let same = self.holds == holds && self.marks.len() == marks.len() && !changed.has(these);
+        if !same {
+            self.marks.clear();
+            self.marks.extend_from_slice(marks);
+            self.holds = holds;
+        }
+        same
     }
 }
 
@@ -283,4 +315,25 @@ pub(super) fn let_go(hold: &mut Hold, first: &mut Body, second: &mut Body) {
     first.free += given * first.inverse_mass;
     second.free -= given * second.inverse_mass;
     (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_stands_until_a_mark_that_it_follows_changes_or_a_hold_is_added() {
+        let (followed, mut marks) = (&mut Followed::default(), vec![Marks::CLOSE; 40]);
+        let mut stands = |marks: &[Marks], holds| followed.stands(marks, Marks::CLOSE | Marks::LIVE, holds);
+        assert!(!stands(&marks, 0) && stands(&marks, 0));
+        marks[17].set(Marks::HELD, true);
+        assert!(stands(&marks, 0));
+        marks[39].set(Marks::LIVE, true);
+        assert!(!stands(&marks, 0) && stands(&marks, 0));
+        assert!(!stands(&marks, 1) && stands(&marks, 1));
+        marks.push(Marks::NONE);
+        assert!(!stands(&marks, 1) && stands(&marks, 1));
+        followed.forget();
+        assert!(followed.stands(&[], Marks::LIVE, 0));
+    }
 }
