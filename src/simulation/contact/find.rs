@@ -337,7 +337,10 @@ impl Near {
                     holds.push(Hold { pair: *pair, ..hold });
                 }
             }
-            stripe.weigh_all(bodies);
+            // Where none sleeps or is fixed, all weigh what they did.
+            if bodies.iter().any(|body| body.inverse_mass == 0.0) {
+                stripe.weigh_all(bodies);
+            }
         });
         self.found = stripes.iter().map(|stripe| stripe.pairs.len()).sum();
         for (number, stripe) in stripes.iter().enumerate().skip(layout.numbers(Layer::Own).end) {

@@ -108,6 +108,8 @@ pub(super) struct Contact {
     restitutions: Vec<f64>,
     /// Which ball each body is: bodies stand in the order of their places.
     ids: Vec<u32>,
+    /// Which body each ball was when it was last shown.
+    places: Vec<u32>,
     /// Whether each body sleeps.
     rests: Vec<Rest>,
     /// Whether they may.
@@ -160,6 +162,7 @@ impl Contact {
             bodies,
             restitutions: balls.iter().map(|ball| ball.restitution).collect(),
             ids: (0..balls.len() as u32).collect(),
+            places: Vec::new(),
             near: (pairs || world.walls.is_some()).then(Near::default),
             team: Team::default(),
             pairs,

@@ -42,6 +42,19 @@ impl Contact {
         body.inverse_mass > 0.0 && body.velocity == body.free && !was_hit && self.held.get(at) != Some(&true)
     }
 
+    /// A body's position and velocity, this share of a substep after the last whole one but one where that is not 0.
+    #[inline]
+    fn seen(&self, at: usize, share: f64) -> (DVec2, DVec2) {
+        let (position, velocity) = (self.bodies[at].position, self.velocity_between(at));
+        let Some(&(was, had)) = self.before.get(at) else { return (position, velocity) };
+        let mut between = was.lerp(position, share);
+        if self.flew(at) {
+            // Its path is a parabola, not that line.
+            between -= 0.5 * share * (1.0 - share) * self.setting.substep * self.setting.kick;
+        }
+        (between, had.lerp(velocity, share))
+    }
+
     /// Shows the balls as they are at the clock's time, `since` s after the last whole substep but one where that is
     /// not 0. This evaluates, and never writes back.
     pub(super) fn show(&mut self, frame: &mut Frame<'_>, since: f64) {
@@ -51,31 +64,27 @@ impl Contact {
             *hit |= held;
         }
         self.find_held_by_walls();
-        for (at, body) in self.bodies.iter().enumerate() {
-            let ball = &mut frame.balls[self.ids[at] as usize];
-            if ball.is_fixed() {
-                // Not even rounding moves it.
-                continue;
+        // Bodies are read out of their order: that costs less than to write balls out of theirs.
+        let mut places = std::mem::take(&mut self.places);
+        places.resize(self.ids.len(), 0);
+        for (at, &id) in (0..).zip(&self.ids) {
+            places[id as usize] = at;
+        }
+        for (ball, &at) in frame.balls.iter_mut().zip(&places) {
+            // Not even rounding moves a fixed one.
+            if !ball.is_fixed() {
+                (ball.position, ball.velocity) = self.seen(at as usize, share);
             }
-            let (mut position, mut velocity) = (body.position, self.velocity_between(at));
-            if let Some(&(was, had)) = self.before.get(at) {
-                position = was.lerp(position, share);
-                velocity = had.lerp(velocity, share);
-                if self.flew(at) {
-                    // Its path is a parabola, not that line.
-                    position -= 0.5 * share * (1.0 - share) * self.setting.substep * self.setting.kick;
-                }
-            }
-            (ball.position, ball.velocity) = (position, velocity);
         }
         if self.near.is_some() {
-            for (&id, hit) in self.ids.iter().zip(&mut self.hit) {
-                frame.touching[id as usize] = *hit;
-                *hit = false;
+            for (touching, &at) in frame.touching.iter_mut().zip(&places) {
+                *touching = self.hit[at as usize];
             }
+            self.hit.fill(false);
         } else {
             frame.touching.fill(false);
         }
+        self.places = places;
         if let Some(grid) = &mut self.shown {
             frame.touching.fill(false);
             frame.show_overlaps::<true>(grid);
