@@ -227,6 +227,31 @@ fn a_bullet_passes_through_nothing_at_any_speed() {
     }
 }
 
+#[test]
+fn thousands_that_are_thrown_at_the_floor_lie_on_each_other_and_not_in_each_other() {
+    let balls = (0..2400).map(|k| {
+        let (k, column, row) = (f64::from(k), f64::from(k % 60), f64::from(k / 60));
+        let place = DVec2::new(10.0 * column + 5.0 + 0.9 * (1.7 * k).sin(), 10.0 * row + 5.0);
+        let ball = ball(place.x, place.y, 4.0 + 0.8 * (2.3 * k).sin()).with_restitution(0.5).unwrap();
+        moving(ball, 0.0, 1000.0)
+    });
+    let world = world(600.0, 800.0, 0.5).with_gravity(EARTH).unwrap();
+    let mut simulation = simulation(world, balls.collect());
+    let mut deep = 0;
+    for _ in 0..40 {
+        simulation.advance(FRAME).unwrap();
+        let balls = simulation.balls();
+        Grid::new(balls, simulation.world().size()).for_each(balls, |one, other| {
+            let [one, other] = [one, other].map(|at| &balls[at as usize]);
+            let reach = one.radius() + other.radius();
+            let depth = reach - one.position().distance(other.position());
+            deep += u32::from(depth > 0.5 * one.radius().min(other.radius()));
+        });
+    }
+    // Measured: 500 in all frames, of 5,000 pairs in each. 14,000 where balls that come from far away are let be.
+    assert!(deep < 2000, "{deep} times a pair lay in each other by more than half a radius");
+}
+
 /// Balls of radius 10 upon each other on the floor, from the bottom, of these masses; the highest place of all.
 fn tower(masses: &[f64]) -> Simulation {
     let height = 20.0 * masses.len() as f64 + 100.0;

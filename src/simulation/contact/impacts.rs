@@ -23,10 +23,12 @@ use super::{Body, SHIFT, Setting, Tally};
 const MOST: u32 = 8;
 /// The same among few balls, where each counts, and where nothing ever rests, since no support holds what is left there.
 const MOST_OF_FEW: u32 = 64;
+/// The same of one that comes from far away: what supports it knows less of its way.
+const MOST_FAR: u32 = 32;
 /// The same of a fast ball.
 const MOST_FAST: u32 = 256;
-/// Both where balls are a crowd: after each impact all of a ball's pairs are looked at again, and what comes of it is no
-/// flight.
+/// The least and the greatest of these where balls are a crowd: after each impact all of a ball's pairs are looked at
+/// again, and what comes of it is no flight.
 const MOST_IN_CROWD: (u32, u32) = (1, 4);
 /// A ball that goes farther in a substep than so many times its radius is fast.
 const FAST: f64 = 1.0;
@@ -81,8 +83,9 @@ impl Shift {
 /// How often bodies may be hit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
-    /// How often a body may be that is not fast.
+    /// How often a body may be that is not fast; that comes from far away; and that is fast.
     most: u32,
+    most_far: u32,
     most_fast: u32,
     /// Whether a fast one was hit so often that the substep ends for all of them.
     pub(super) exhausted: bool,
@@ -93,13 +96,18 @@ pub(super) struct Limits {
 impl Limits {
     /// Those of so many bodies, which are a crowd or not.
     pub(super) fn of(count: usize, crowd: bool, setting: &Setting) -> Self {
-        let (most, most_fast) = match count {
-            ..=FEW => (MOST_OF_FEW, MOST_FAST),
-            _ if crowd => MOST_IN_CROWD,
-            _ if !setting.can_rest => (MOST_OF_FEW, MOST_FAST),
-            _ => (MOST, MOST_FAST),
+        let (most, most_far, most_fast) = match count {
+            ..=FEW => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
+            _ if crowd => (MOST_IN_CROWD.0, MOST_IN_CROWD.0, MOST_IN_CROWD.1),
+            _ if !setting.can_rest => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
+            _ => (MOST, MOST_FAR, MOST_FAST),
         };
-        Self { most, most_fast, exhausted: false, ended: false }
+        Self { most, most_far, most_fast, exhausted: false, ended: false }
+    }
+
+    /// How often a body may be that is shifted so, and not fast.
+    fn most(&self, shift: Shift) -> u32 {
+        if shift == Shift::Far { self.most_far } else { self.most }
     }
 }
 
@@ -177,7 +185,7 @@ impl Stage<'_> {
         let layout = stripes.layout;
         if self.fates[body].fast {
             self.foresee_fast_wall(body);
-        } else if self.fates[body].hits < self.limits.most {
+        } else if self.fates[body].hits < self.limits.most(self.fates[body].shift) {
             let number = layout.own_of(body);
             let own = (body - layout.start(number)) as u32;
             if let Some(at) = stripes.list[number].place_beside(own) {
@@ -243,7 +251,8 @@ impl Stage<'_> {
         let (marks, firm) = (stripe.marks[at], stripe.firm(at, self.setting));
         let presses = firm.is_some() && first.slow && second.slow;
         let fast = first.fast || second.fast;
-        let enough = if fast { self.limits.ended } else { first.hits.max(second.hits) >= self.limits.most };
+        let most = self.limits.most(first.shift.max(second.shift));
+        let enough = if fast { self.limits.ended } else { first.hits.max(second.hits) >= most };
         let hits = (first.hits, second.hits);
         if !marks.has(Marks::IDLE)
             && !presses

@@ -184,7 +184,14 @@ impl Contact {
         self.impacts(tally);
         if self.setting.can_rest {
             self.support();
-            self.sweep(&[Pass::CARRY, Pass::TRAVEL, Pass::RELAX, Pass::RELAX_ON_WALLS, Pass::FIND_THROWN]);
+            self.sweep(&[
+                Pass::CARRY,
+                Pass::HOLD_AGAIN,
+                Pass::TRAVEL,
+                Pass::RELAX,
+                Pass::RELAX_ON_WALLS,
+                Pass::FIND_THROWN,
+            ]);
             self.let_go_of_thrown();
             self.wake_unbalanced();
         } else {

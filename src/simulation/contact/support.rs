@@ -13,6 +13,7 @@ use glam::DVec2;
 use super::super::lesser::lesser;
 use super::find::{FEW, Near};
 use super::holds::{Hold, Pair};
+use super::impacts::Shift;
 use super::layout::Layer;
 use super::stripes::Stripe;
 use super::sweep::{Pass, Share};
@@ -37,6 +38,9 @@ const INNER: u32 = 3;
 const ROUNDS: u32 = 3;
 /// The same among few balls, where a crash is followed to its end.
 const ROUNDS_OF_FEW: u32 = 32;
+/// Where more than one in so many balls were shifted by impacts, balls are held apart once more after they were stopped
+/// on what carries them.
+const MANY: usize = 64;
 /// Sweeps have settled where none of their changes moves a ball by more than this part of its radius in the substep.
 const SETTLED: f64 = 5e-3;
 /// The same among few balls.
@@ -107,6 +111,20 @@ impl Pass<'_> {
         work: &|setting, stripe, share| {
             if setting.kick != DVec2::ZERO {
                 stripe.carry_all(share.bodies);
+            }
+        },
+    };
+
+    /// Holds balls apart that being stopped has pressed into each other: what falls on a pile goes down a way before all
+    /// that it meets has stopped it.
+    pub(super) const HOLD_AGAIN: Self = Self {
+        layers: Layer::OUTWARD,
+        only_busy: true,
+        work: &|setting, stripe, share| {
+            let shifted = share.fates.iter().filter(|fate| fate.shift != Shift::None).count();
+            if setting.kick != DVec2::ZERO && shifted * MANY > share.fates.len() {
+                stripe.press_outward(share.bodies, YIELDING);
+                hold_on_walls(setting, share.bodies, &mut stripe.beside);
             }
         },
     };

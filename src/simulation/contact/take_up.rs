@@ -230,9 +230,8 @@ fn take_up(
     met: bool,
 ) -> bool {
     if shift == Shift::Far {
-        // Where a fast ball was hit it comes from far away: what it was near to, it has met already.
         let_go(hold, first, second);
-        return false;
+        return setting.kick != DVec2::ZERO && hold_at_end(setting, hold, first, second);
     }
     let offset = first.position - second.position;
     let squared = offset.length_squared();
@@ -279,6 +278,22 @@ fn take_up(
         }
     };
     hold.least = setting.least_parting(way, reach);
+    press(hold, first, second, YIELDING);
+    true
+}
+
+/// Holds two balls apart of which one comes from far away, if they would lie in each other at the substep's end. That is
+/// where they are: where a fast ball that was hit stands now says nothing of it.
+fn hold_at_end(setting: &Setting, hold: &mut Hold, first: &mut Body, second: &mut Body) -> bool {
+    let end = first.end(setting.substep) - second.end(setting.substep);
+    let (distance, reach) = (end.length(), first.radius + second.radius);
+    if distance >= reach {
+        return false;
+    }
+    let normal = direction(end, distance);
+    give(hold.turn(normal), first, second);
+    let stands = (first.position - second.position).dot(normal);
+    hold.least = setting.least_parting(reach - stands, reach);
     press(hold, first, second, YIELDING);
     true
 }
