@@ -13,7 +13,8 @@
 //!
 //! At a frame's end the balls are shown as they are then (`show`).
 //!
-//! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`).
+//! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`); passes
+//! that follow each other go through them as caches like it (`sweep`).
 //!
 //! Velocities are those half-way between two positions (leapfrog), so that a ball at rest has none. Frames evaluate the
 //! substeps and never write back, so the result does not depend on how time is cut into frames.

@@ -6,7 +6,7 @@
 //! little, so that overlaps follow loads, as springs would have it (soft constraints; Catto 2011): without that, a pile
 //! of rigid balls without friction never comes to rest. What moves balls out of overlaps is no speed of theirs: it is
 //! taken away after the move. Last, each ball is stopped on what lies below it, from the ground up, so that no load, and
-//! no ratio of masses, makes anything sink.
+//! no ratio of masses, makes anything sink. Where many were hit, they are held apart once more after that.
 
 use glam::DVec2;
 
@@ -38,8 +38,7 @@ const INNER: u32 = 3;
 const ROUNDS: u32 = 3;
 /// The same among few balls, where a crash is followed to its end.
 const ROUNDS_OF_FEW: u32 = 32;
-/// Where more than one in so many balls were shifted by impacts, balls are held apart once more after they were stopped
-/// on what carries them.
+/// Where impacts shifted more than one in so many balls, they are held apart once more after they were stopped.
 const MANY: usize = 64;
 /// Sweeps have settled where none of their changes moves a ball by more than this part of its radius in the substep.
 const SETTLED: f64 = 5e-3;
@@ -115,8 +114,8 @@ impl Pass<'_> {
         },
     };
 
-    /// Holds balls apart that being stopped has pressed into each other: what falls on a pile goes down a way before all
-    /// that it meets has stopped it.
+    /// Holds balls apart once more where many were hit: what stopped some on what carries them has turned them against
+    /// others, and those that are beside or above them are to give way at once, not in the next substep.
     pub(super) const HOLD_AGAIN: Self = Self {
         layers: Layer::OUTWARD,
         only_busy: true,
