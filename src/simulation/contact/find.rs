@@ -332,7 +332,7 @@ impl Near {
             places_of_holds.resize(pairs.len(), NOWHERE);
             for ((pair, mark), place) in pairs.iter().zip(marks).zip(places_of_holds) {
                 if let Some(hold) = kept.by_ball(pair.from(start)) {
-                    *mark = *mark | Marks::HELD | Marks::LIVE;
+                    mark.set(Marks::HELD | Marks::LIVE, true);
                     *place = holds.len() as u32;
                     holds.push(Hold { pair: *pair, ..hold });
                 }

@@ -69,7 +69,7 @@ impl Marks {
         self.0 & any.0 != 0
     }
 
-    /// Notes whether this is so.
+    /// Notes whether all of these are so.
     #[inline]
     pub(super) fn set(&mut self, which: Self, on: bool) {
         self.0 = self.0 & !which.0 | (which.0 * u8::from(on));

@@ -248,8 +248,8 @@ impl Stage<'_> {
         let pair = stripe.pairs[at].from(start);
         let (i, j) = (pair.first as usize, pair.second as usize);
         let (first, second) = (&self.fates[i], &self.fates[j]);
-        let (marks, firm) = (stripe.marks[at], stripe.firm(at, self.setting));
-        let presses = firm.is_some() && first.slow && second.slow;
+        let marks = stripe.marks[at];
+        let presses = marks.has(Marks::HELD) && first.slow && second.slow;
         let fast = first.fast || second.fast;
         let most = self.limits.most(first.shift.max(second.shift));
         let enough = if fast { self.limits.ended } else { first.hits.max(second.hits) >= most };
@@ -257,7 +257,7 @@ impl Stage<'_> {
         if !marks.has(Marks::IDLE)
             && !presses
             && !enough
-            && let Some(meeting) = self.meeting((i, j), firm)
+            && let Some(meeting) = self.meeting((i, j), stripe.firm(at, self.setting))
         {
             self.queue.push(Event { time: meeting.time, what: What::Pair(spot), hits });
         }

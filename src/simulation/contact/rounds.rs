@@ -39,7 +39,7 @@ impl Contact {
     /// All impacts of a substep.
     pub(super) fn impacts(&mut self, tally: &mut Tally) {
         let Some(near) = &self.near else { return };
-        if near.stripes.iter().all(|stripe| stripe.pairs.is_empty() && stripe.beside.is_empty()) {
+        if near.stripes.iter().all(Stripe::is_idle) {
             return;
         }
         self.course.fates.resize(self.bodies.len(), Fate::default());

@@ -64,6 +64,8 @@ pub(super) struct Stripe {
     pub(super) thrown: Vec<u32>,
     /// How many are about to go where they are not covered.
     pub(super) leaving: usize,
+    /// How many of its bodies impacts have shifted in this substep.
+    pub(super) shifted: usize,
     /// Whether any of its bodies is fast.
     pub(super) has_fast: bool,
     /// Whether impulses that hold apart changed much in the last sweep.
@@ -130,9 +132,9 @@ impl Stripe {
     /// Notes that a pair has exchanged momentum; `after` the substep's beginning or right then.
     pub(super) fn note_met(&mut self, at: usize, after: bool) {
         let marks = &mut self.marks[at];
-        *marks = *marks | Marks::LIVE;
+        marks.set(Marks::LIVE, true);
         if after {
-            *marks = *marks | Marks::MET;
+            marks.set(Marks::MET, true);
         }
     }
 

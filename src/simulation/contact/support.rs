@@ -13,7 +13,6 @@ use glam::DVec2;
 use super::super::lesser::lesser;
 use super::find::{FEW, Near};
 use super::holds::{Hold, Pair};
-use super::impacts::Shift;
 use super::layout::Layer;
 use super::stripes::Stripe;
 use super::sweep::{Pass, Share};
@@ -120,8 +119,7 @@ impl Pass<'_> {
         layers: Layer::OUTWARD,
         only_busy: true,
         work: &|setting, stripe, share| {
-            let shifted = share.fates.iter().filter(|fate| fate.shift != Shift::None).count();
-            if setting.kick != DVec2::ZERO && shifted * MANY > share.fates.len() {
+            if setting.kick != DVec2::ZERO && stripe.shifted * MANY > share.bodies.len() {
                 stripe.press_outward(share.bodies, YIELDING);
                 hold_on_walls(setting, share.bodies, &mut stripe.beside);
             }

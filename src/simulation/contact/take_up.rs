@@ -92,7 +92,8 @@ impl Stripe {
 
     /// Holds all dealt pairs apart that are close.
     fn hold_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
-        let calm = share.fates.iter().all(|fate| fate.shift == Shift::None);
+        self.shifted = share.fates.iter().filter(|fate| fate.shift != Shift::None).count();
+        let calm = self.shifted == 0;
         let (dealt, ways) = (take(&mut self.dealt), take(&mut self.ways));
         let distances = take(&mut self.distances);
         if setting.kick == DVec2::ZERO {
