@@ -1,12 +1,14 @@
 //! What covers a ball: the disc in which the last search for pairs has looked. Where single balls leave theirs, their pairs
 //! alone are looked for.
 
+use std::mem::take;
+
 use glam::DVec2;
 
 use super::super::grid::Disc;
 use super::find::{Cells, FEW, Near, in_cells, is_clear};
 use super::holds::Pair;
-use super::layout::Layer;
+use super::layout::{Layer, Layout};
 use super::stripes::{Stripe, of_layer};
 use super::team::Team;
 use super::{Body, Setting};
@@ -81,32 +83,29 @@ impl Near {
         let layout = self.layout;
         let shares = layout.share_read(Layer::Own, &self.homes).zip(layout.share_read(Layer::Own, bodies));
         let shares = shares.zip(of_layer(&mut self.stripes, layout, Layer::Own));
-        team.each(shares, |((homes, bodies), stripe)| {
-            let leaving = homes.iter().zip(bodies).filter(|&ball| !covers(ball)).count();
-            stripe.leaving = leaving + stripe.strays.len();
+        team.each(shares, |((homes, bodies), Stripe { leaving, strays, .. })| {
+            let uncovered = |at: &u32| !covers((&homes[*at as usize], &bodies[*at as usize]));
+            leaving.clear();
+            leaving.extend((0..bodies.len() as u32).filter(uncovered));
+            leaving.extend(strays.iter().filter(|&stray| !uncovered(stray)));
         });
-        let leaving = |stripe: &Stripe| stripe.leaving;
-        let left: usize = of_layer(&mut self.stripes, layout, Layer::Own).iter().map(leaving).sum();
+        let leaving = of_layer(&mut self.stripes, layout, Layer::Own).map(|stripe| stripe.leaving.len());
+        let left: usize = leaving.sum();
         if left == 0 {
             return true;
         }
         if bodies.len() <= FEW || left > many || self.crowd {
             return false;
         }
-        for number in 0..layout.numbers(Layer::Own).end {
-            if self.stripes[number].leaving == 0 {
-                continue;
-            }
-            let start = layout.start(number);
-            for at in start..start + layout.count(number, bodies.len()) {
-                if !covers((&self.homes[at], &bodies[at])) {
-                    self.cover_anew(at, bodies, setting);
-                }
-            }
-            while let Some(at) = self.stripes[number].strays.pop() {
-                self.cover_anew(start + at as usize, bodies, setting);
+        let cover = self.cover(bodies.len(), setting);
+        for number in layout.numbers(Layer::Own) {
+            self.stripes[number].strays.clear();
+            for place in 0..self.stripes[number].leaving.len() {
+                let at = layout.start(number) + self.stripes[number].leaving[place] as usize;
+                self.change_home(at, cover(&bodies[at]), bodies, setting);
             }
         }
+        self.find_more_pairs(bodies, setting, team);
         true
     }
 
@@ -118,38 +117,25 @@ impl Near {
             let way = 0.5 * body.velocity * (setting.substep - time);
             let home = Home { position: end - way, reach: way.length() + self.skin(body, setting) };
             self.change_home(at, home, bodies, setting);
+            let number = self.layout.own_of(at);
+            let own = (at - self.layout.start(number)) as u32;
+            self.stripes[number].leaving.push(own);
+            self.find_more_pairs(bodies, setting, &Team::default());
         }
     }
 
-    /// Covers a ball from where it is now.
-    fn cover_anew(&mut self, at: usize, bodies: &[Body], setting: &Setting) {
-        let home = self.cover(bodies.len(), setting)(&bodies[at]);
-        self.change_home(at, home, bodies, setting);
-    }
-
-    /// Gives a ball another home, and links the pairs that it finds there.
+    /// Gives a ball another home.
     fn change_home(&mut self, at: usize, home: Home, bodies: &[Body], setting: &Setting) {
-        self.link_pairs_of(at, bodies.len());
         self.moved += usize::from(self.is_as_sorted(at, bodies));
         self.homes[at] = home;
         if let Some(Cells { grid, .. }) = &mut self.cells {
             let centre = in_cells(self.turned, home.position);
             grid.insert(at as u32, &Covered { centre, radius: bodies[at].radius + home.reach });
         }
-        if self.seeks_pairs {
-            self.find_more_pairs(at, bodies, setting);
-        }
         if setting.walls.is_some() && !is_clear(home.position, bodies[at].radius + home.reach, setting.size) {
             let number = self.layout.own_of(at);
             let body = at - self.layout.start(number);
             self.stripes[number].add_beside(body as u32, DVec2::ZERO);
-        }
-    }
-
-    /// Links the stripes of a ball, of so many in all, as far as they are not linked yet.
-    fn link_pairs_of(&mut self, at: usize, count: usize) {
-        for number in self.layout.of_body(at) {
-            self.stripes[number].link(self.layout.count(number, count));
         }
     }
 
@@ -163,48 +149,101 @@ impl Near {
         self.discs.get(at).is_some_and(as_sorted)
     }
 
-    /// Adds the pairs of a ball that it does not have yet.
-    fn find_more_pairs(&mut self, at: usize, bodies: &[Body], setting: &Setting) {
-        let place = in_cells(self.turned, self.homes[at].position);
-        let Self { layout, stripes, crossing, homes, cells, known, added, .. } = self;
-        known.begin(bodies.len());
-        for number in layout.of_body(at) {
-            let (stripe, start) = (&stripes[number], layout.start(number));
-            for place in stripe.links.of((at - start) as u32) {
-                let pair = stripe.pairs[place].from(start);
-                known.add(pair.first);
-                known.add(pair.second);
+    /// Adds, and links, the pairs that balls with another home do not have yet.
+    fn find_more_pairs(&mut self, bodies: &[Body], setting: &Setting, team: &Team) {
+        if !self.seeks_pairs {
+            return;
+        }
+        let Self { layout, stripes, crossing, homes, cells, turned, .. } = self;
+        let layout = *layout;
+        let cells = cells.as_ref().filter(|_| bodies.len() > FEW);
+        let around = Around { layout, bodies, homes, cells, turned: *turned, up: -setting.kick };
+        let changed = layout.share_stripes(Layer::Own, stripes).filter(|(_, own)| !own[0].leaving.is_empty());
+        team.each(changed, |(number, own)| around.find_more_of(number, &mut own[0]));
+        for number in layout.numbers(Layer::Own) {
+            let mut across = take(&mut stripes[number].across);
+            for pair in across.drain(..) {
+                let (first, second) = (pair.first as usize, pair.second as usize);
+                let number = layout.of_pair(first, second);
+                let (stripe, start) = (&mut stripes[number], layout.start(number) as u32);
+                stripe.link(layout.count(number, bodies.len()));
+                let pair = Pair { first: pair.first - start, second: pair.second - start };
+                let is_known =
+                    |at: usize| [stripe.pairs[at].first, stripe.pairs[at].second].contains(&pair.second);
+                if stripe.links.of(pair.first).any(is_known) {
+                    continue;
+                }
+                stripe.add_pair(pair, bodies[first].inverse_mass, bodies[second].inverse_mass);
+                stripe.link(layout.count(number, bodies.len()));
+                for body in [first, second] {
+                    crossing[body] = layout.layer(number).max(crossing[body]);
+                }
+            }
+            stripes[number].across = across;
+        }
+        self.added = stripes.iter().map(|stripe| stripe.pairs.len()).sum::<usize>() - self.found;
+    }
+}
+
+/// What is around balls with another home.
+struct Around<'a> {
+    layout: Layout,
+    bodies: &'a [Body],
+    homes: &'a [Home],
+    cells: Option<&'a Cells>,
+    turned: bool,
+    /// The direction of height.
+    up: DVec2,
+}
+
+impl Around<'_> {
+    /// Adds, and links, the pairs within a stripe that its balls with another home do not have yet, and gathers those
+    /// across its edges, had or not.
+    fn find_more_of(&self, number: usize, stripe: &mut Stripe) {
+        let (start, count) = (self.layout.start(number), self.layout.count(number, self.bodies.len()));
+        let (mut leaving, mut known) = (take(&mut stripe.leaving), take(&mut stripe.known));
+        stripe.link(count);
+        for own in leaving.drain(..) {
+            known.begin(count);
+            for at in stripe.links.of(own) {
+                known.add(stripe.pairs[at].first);
+                known.add(stripe.pairs[at].second);
+            }
+            let at = start + own as usize;
+            let before = stripe.pairs.len();
+            self.for_each_near(at, |other| {
+                let upper = (self.bodies[at].position - self.bodies[other].position).dot(self.up) >= 0.0;
+                let (first, second) = if upper { (at, other) } else { (other, at) };
+                if self.layout.own_of(other) != number {
+                    stripe.across.push(Pair { first: first as u32, second: second as u32 });
+                } else if known.add((other - start) as u32) {
+                    let pair = Pair { first: (first - start) as u32, second: (second - start) as u32 };
+                    stripe.add_pair(pair, self.bodies[first].inverse_mass, self.bodies[second].inverse_mass);
+                }
+            });
+            if stripe.pairs.len() > before {
+                stripe.link(count);
             }
         }
-        let (ball, home) = (&bodies[at], homes[at]);
-        let up = -setting.kick;
-        let before = *added;
+        (stripe.leaving, stripe.known) = (leaving, known);
+    }
+
+    /// Visits the balls whose covers touch that of one.
+    fn for_each_near(&self, at: usize, mut visit: impl FnMut(usize)) {
+        let (home, reach) = (&self.homes[at], self.bodies[at].radius + self.homes[at].reach);
         let mut consider = |other: usize| {
-            let (body, its) = (&bodies[other], &homes[other]);
-            let reach = ball.radius + home.reach + body.radius + its.reach;
-            let touches = its.position.distance_squared(home.position) <= reach * reach;
-            if other == at || !touches || !known.add(other as u32) {
-                return;
+            let its = &self.homes[other];
+            let both = reach + self.bodies[other].radius + its.reach;
+            if other != at && its.position.distance_squared(home.position) <= both * both {
+                visit(other);
             }
-            let upper = (ball.position - body.position).dot(up) >= 0.0;
-            let (first, second) = if upper { (at, other) } else { (other, at) };
-            let number = layout.of_pair(first, second);
-            if number != layout.own_of(first) {
-                (crossing[first], crossing[second]) = (true, true);
-            }
-            let start = layout.start(number);
-            let pair = Pair { first: (first - start) as u32, second: (second - start) as u32 };
-            stripes[number].add_pair(pair, ball.inverse_mass, body.inverse_mass);
-            *added += 1;
         };
-        match cells {
-            Some(Cells { grid, .. }) if bodies.len() > FEW => {
-                grid.for_each_near(place, ball.radius + home.reach, |other| consider(other as usize));
+        match self.cells {
+            Some(Cells { grid, .. }) => {
+                let place = in_cells(self.turned, home.position);
+                grid.for_each_near(place, reach, |other| consider(other as usize));
             }
-            _ => (0..bodies.len()).for_each(consider),
-        }
-        if *added > before {
-            self.link_pairs_of(at, bodies.len());
+            None => (0..self.bodies.len()).for_each(consider),
         }
     }
 }

@@ -53,6 +53,14 @@ impl Event {
         }
     }
 
+    /// The number of the stripe that a pair belongs to, or a ball beside a wall.
+    pub(super) fn stripe(&self) -> Option<usize> {
+        match self.what {
+            What::Pair(spot) | What::Wall(spot) => Some(spot.stripe as usize),
+            What::FastWall(..) => None,
+        }
+    }
+
     /// The same, foreseen by the stripe of this number as if it were all there is.
     pub(super) fn of_stripe(self, number: usize) -> Self {
         let spot = |spot: Spot| Spot { stripe: number as u32, ..spot };

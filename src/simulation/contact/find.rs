@@ -9,7 +9,6 @@ use super::super::grid::{Grid, touch};
 use super::cover::{Covered, Home};
 use super::holds::{Beside, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
-use super::order::{Kept, Known};
 use super::sleep::Rest;
 use super::stripes::{NOWHERE, Stripe, Stripes, clear_all};
 use super::team::Team;
@@ -46,8 +45,8 @@ pub(super) struct Near {
     /// The pairs, and what is beside walls.
     pub(super) stripes: Vec<Stripe>,
     pub(super) homes: Vec<Home>,
-    /// For each ball, whether it has pairs that do not belong to its stripe.
-    pub(super) crossing: Vec<bool>,
+    /// For each ball, the last layer that pairs of it belong to.
+    pub(super) crossing: Vec<Layer>,
     /// Whether pairs are looked for.
     pub(super) seeks_pairs: bool,
     /// How many pairs the search found, and how many were added since.
@@ -66,8 +65,8 @@ pub(super) struct Near {
     /// The root mean square of all speeds at the search, px/s.
     rms_speed: f64,
     searches: u32,
-    kept: Kept,
-    pub(super) known: Known,
+    /// What walls gave to balls before the search, px/s.
+    kept_pushes: Vec<(u32, DVec2)>,
     gathered: Vec<Gathered>,
 }
 
@@ -107,11 +106,10 @@ impl Near {
         self.seeks_pairs = pairs;
         self.moved = 0;
         let bodies: &[Body] = cargo.bodies;
-        self.kept.take(self.layout, &self.stripes, places.as_deref(), bodies.len());
-        self.layout = Layout::of(bodies.len());
+        self.keep(Layout::of(bodies.len()), places.as_deref());
         clear_all(&mut self.stripes, self.layout, bodies.len());
         self.crossing.clear();
-        self.crossing.resize(bodies.len(), false);
+        self.crossing.resize(bodies.len(), Layer::Own);
         self.find_homes(bodies, setting, team);
         if setting.walls.is_some() {
             self.find_walls(bodies, cargo.rests, setting);
@@ -122,6 +120,35 @@ impl Near {
             self.take_pairs(bodies, cargo.rests, setting, team);
         }
         self.crowd = self.are_crowd(bodies);
+    }
+
+    /// Takes over another layout, and keeps what holds balls, which now have these `places`, or still those that they had.
+    fn keep(&mut self, layout: Layout, places: Option<&[u32]>) {
+        let place = |at: usize| places.map_or(at as u32, |places| places[at]);
+        let pushed = self.beside().filter(|(_, beside)| beside.push != DVec2::ZERO);
+        let mut pushes: Vec<_> = pushed.map(|(body, beside)| (place(body), beside.push)).collect();
+        pushes.sort_unstable_by_key(|&(body, _)| body);
+        self.kept_pushes = pushes;
+        if places.is_none() && layout == self.layout {
+            // They stay where they are.
+            self.stripes.iter_mut().for_each(|stripe| stripe.kept.take(&mut stripe.holds));
+            return;
+        }
+        let held = self.holding().map(|(first, second, hold)| {
+            let pair = Pair { first: place(first), second: place(second) };
+            Hold { pair, ..*hold }
+        });
+        let held: Vec<_> = held.collect();
+        self.layout = layout;
+        self.stripes.resize_with(layout.len(), Stripe::default);
+        self.stripes.iter_mut().for_each(|stripe| stripe.kept.clear());
+        for hold in held {
+            let Pair { first, second } = hold.pair;
+            let number = layout.of_pair(first as usize, second as usize);
+            let start = layout.start(number) as u32;
+            let pair = Pair { first: first - start, second: second - start };
+            self.stripes[number].kept.add(Hold { pair, ..hold });
+        }
     }
 
     /// All stripes.
@@ -168,24 +195,6 @@ impl Near {
             let start = self.layout.start(number);
             stripe.beside.iter().map(move |beside| (start + beside.body as usize, beside))
         })
-    }
-
-    /// Gives balls anew what holds them: pairs that are not near any more hold nothing.
-    pub(super) fn push_again(&self, bodies: &mut [Body]) {
-        for body in bodies.iter_mut() {
-            body.velocity = body.free;
-        }
-        for (first, second, hold) in self.holding() {
-            let push = hold.normal * hold.impulse + hold.grip;
-            bodies[first].velocity += push * bodies[first].inverse_mass;
-            bodies[second].velocity -= push * bodies[second].inverse_mass;
-        }
-        for (body, beside) in self.beside() {
-            let body = &mut bodies[body];
-            if body.inverse_mass > 0.0 {
-                body.velocity += beside.push;
-            }
-        }
     }
 
     fn find_homes(&mut self, bodies: &[Body], setting: &Setting, team: &Team) {
@@ -246,7 +255,9 @@ impl Near {
             if !clear && rests[at].inverse_mass > 0.0 {
                 let number = self.layout.own_of(at);
                 let own = (at - self.layout.start(number)) as u32;
-                self.stripes[number].add_beside(own, self.kept.by_wall(at));
+                let found = self.kept_pushes.binary_search_by_key(&(at as u32), |&(body, _)| body);
+                let push = found.map_or(DVec2::ZERO, |at| self.kept_pushes[at].1);
+                self.stripes[number].add_beside(own, push);
             }
         }
     }
@@ -286,7 +297,7 @@ impl Near {
         }
         grid.sort_into_cells(discs);
         let (layout, grid) = (*layout, &*grid);
-        let pieces = layout.numbers(Layer::Own).end;
+        let pieces = layout.stripes();
         let rows = grid.rows().div_ceil(pieces);
         gathered.resize_with(pieces + 1, Gathered::default);
         team.each(gathered.iter_mut().enumerate(), |(piece, Gathered { pairs, parted })| {
@@ -309,13 +320,14 @@ impl Near {
 
     /// Gives the stripes the pairs that were found, in their order, with what is known of them.
     fn take_pairs(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting, team: &Team) {
-        let Self { layout, stripes, gathered, kept, crossing, .. } = self;
-        let (layout, gathered, kept) = (*layout, &*gathered, &*kept);
+        let Self { layout, stripes, gathered, crossing, .. } = self;
+        let (layout, gathered) = (*layout, &*gathered);
         let any_fixed = rests.iter().any(|rest| rest.inverse_mass == 0.0);
         team.each(stripes.iter_mut().enumerate(), |(number, stripe)| {
             let start = layout.start(number).min(bodies.len());
             let bodies = &bodies[start..start + layout.count(number, bodies.len())];
-            let Stripe { pairs, holds, places_of_holds, marks, heights, .. } = &mut *stripe;
+            let Stripe { pairs, holds, places_of_holds, marks, kept, heights, .. } = &mut *stripe;
+            kept.link(bodies.len());
             if layout.is_cut() {
                 for part in gathered {
                     pairs.extend_from_slice(&part.parted[number]);
@@ -331,7 +343,7 @@ impl Near {
             marks.resize(pairs.len(), Marks::CLOSE);
             places_of_holds.resize(pairs.len(), NOWHERE);
             for ((pair, mark), place) in pairs.iter().zip(marks).zip(places_of_holds) {
-                if let Some(hold) = kept.by_ball(pair.from(start)) {
+                if let Some(hold) = kept.of(*pair) {
                     mark.set(Marks::HELD | Marks::LIVE, true);
                     *place = holds.len() as u32;
                     holds.push(Hold { pair: *pair, ..hold });
@@ -343,11 +355,13 @@ impl Near {
             }
         });
         self.found = stripes.iter().map(|stripe| stripe.pairs.len()).sum();
-        for (number, stripe) in stripes.iter().enumerate().skip(layout.numbers(Layer::Own).end) {
-            let start = layout.start(number);
-            for pair in &stripe.pairs {
-                let pair = pair.from(start);
-                (crossing[pair.first as usize], crossing[pair.second as usize]) = (true, true);
+        for layer in [Layer::Seams, Layer::Rest] {
+            for number in layout.numbers(layer) {
+                let start = layout.start(number);
+                for pair in &stripes[number].pairs {
+                    let pair = pair.from(start);
+                    (crossing[pair.first as usize], crossing[pair.second as usize]) = (layer, layer);
+                }
             }
         }
     }

@@ -105,6 +105,11 @@ impl Limits {
         Self { most, most_far, most_fast, exhausted: false, ended: false }
     }
 
+    /// Whether a body is fast and was hit as often as such a one may be.
+    pub(super) fn exhausts(&self, fate: &Fate) -> bool {
+        fate.fast && fate.hits >= self.most_fast
+    }
+
     /// How often a body may be that is shifted so, and not fast.
     fn most(&self, shift: Shift) -> u32 {
         if shift == Shift::Far { self.most_far } else { self.most }
@@ -192,7 +197,7 @@ impl Stage<'_> {
                 self.foresee_wall(Spot { stripe: number as u32, at: at as u32 }, stripes);
             }
         }
-        for number in layout.of_body(body) {
+        for number in stripes.of_body(body) {
             let (stripe, start) = (&mut stripes.list[number], layout.start(number));
             let mut cursor = stripe.links.begin((body - start) as u32);
             while let Some(at) = stripe.links.next(&mut cursor) {
@@ -352,14 +357,15 @@ impl Stage<'_> {
         if fate.fast && limits.ended {
             end(setting, &mut bodies[at], time);
         }
-        limits.exhausted |= fate.fast && fate.hits >= limits.most_fast;
+        limits.exhausted |= limits.exhausts(fate);
     }
 
     /// Ends the substep at `time` for all fast balls.
     pub(super) fn end_fast(&mut self, time: f64) {
         self.limits.ended = true;
-        for (body, _) in self.bodies.iter_mut().zip(&*self.fates).filter(|(_, fate)| fate.fast) {
-            end(self.setting, body, time);
+        for (body, fate) in self.bodies.iter_mut().zip(&*self.fates).filter(|(_, fate)| fate.fast) {
+            // Not before it was last hit, by a stripe by itself.
+            end(self.setting, body, time.max(fate.time));
         }
     }
 }

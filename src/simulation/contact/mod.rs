@@ -4,7 +4,7 @@
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `holds`,
 //!    `order`; of single balls `cover`);
-//! 3. balls that meet exchange momentum at their time of impact (`rounds`, `events`, `impacts`, `meeting`, `together`,
+//! 3. balls that meet exchange momentum at their time of impact (`turns`, `events`, `impacts`, `meeting`, `together`,
 //!    `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
 //!    (`take_up`, `support`, `wall_support`);
@@ -29,7 +29,6 @@ mod layout;
 mod loads;
 mod meeting;
 mod order;
-mod rounds;
 mod show;
 mod sleep;
 mod stripes;
@@ -39,6 +38,7 @@ mod take_up;
 mod team;
 mod thrown;
 mod together;
+mod turns;
 mod wall_support;
 mod walls;
 
@@ -52,10 +52,11 @@ use super::{Advance, Frame, Part, Tally, Tuning};
 use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
-use rounds::Course;
 use sleep::Rest;
+use support::two;
 use sweep::{Pass, Share};
 use team::Team;
+use turns::Course;
 
 /// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; more where gravity is strong.
 pub(super) const RATE: u32 = 240;
@@ -208,12 +209,13 @@ impl Contact {
     /// Gravity, and what held each ball in the last substep.
     #[inline]
     fn accelerate(&mut self) {
-        let Self { setting, bodies, near, team, .. } = self;
+        let Self { setting, bodies, team, .. } = self;
         if !setting.can_rest {
             // Nothing changes a velocity but impacts.
             return;
         }
-        let (kick, layout) = (setting.kick, near.as_ref().map_or(Layout::ONE, |near| near.layout));
+        // Not that of the last search: balls may have been added since.
+        let (kick, layout) = (setting.kick, Layout::of(bodies.len()));
         team.each(layout.share(Layer::Own, bodies), |bodies| {
             for body in bodies {
                 if kick == DVec2::ZERO {
@@ -237,7 +239,7 @@ impl Contact {
         {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
             if setting.can_rest && setting.kick != DVec2::ZERO {
-                near.push_again(bodies);
+                self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
             }
         }
     }
@@ -251,6 +253,33 @@ impl Contact {
 }
 
 impl Pass<'_> {
+    /// Takes from balls what held them: pairs that are not near any more hold nothing.
+    const LET_GO: Self = Self {
+        layers: &[Layer::Own],
+        only_busy: false,
+        work: &|_, _, Share { bodies, .. }| bodies.iter_mut().for_each(|body| body.velocity = body.free),
+    };
+
+    /// Gives it back to those that something still holds.
+    const PUSH_AGAIN: Self = Self {
+        layers: Layer::OUTWARD,
+        only_busy: true,
+        work: &|_, stripe, Share { bodies, .. }| {
+            for hold in stripe.holds.iter().filter(|hold| hold.impulse > 0.0) {
+                let push = hold.normal * hold.impulse + hold.grip;
+                let (first, second) = two(bodies, hold.pair);
+                first.velocity += push * first.inverse_mass;
+                second.velocity -= push * second.inverse_mass;
+            }
+            for beside in &stripe.beside {
+                let body = &mut bodies[beside.body as usize];
+                if body.inverse_mass > 0.0 {
+                    body.velocity += beside.push;
+                }
+            }
+        },
+    };
+
     /// Moves the balls, none farther than the search for pairs has covered, and none through a wall.
     const TRAVEL: Self = Self {
         layers: &[Layer::Own],

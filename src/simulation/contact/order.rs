@@ -4,8 +4,6 @@ use glam::DVec2;
 
 use super::Body;
 use super::holds::{Hold, Pair};
-use super::layout::Layout;
-use super::stripes::Stripe;
 
 /// The height of a layer, in the smallest radius.
 const LAYER: f64 = 0.25;
@@ -198,76 +196,62 @@ impl Known {
     }
 }
 
-/// What held balls when pairs were searched anew: their impulses outlive the search, for a warm start.
+/// What held the balls of a stripe when pairs were searched anew: their impulses outlive the search, for a warm start.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Kept {
-    /// Where the holds begin whose lower index is a ball's; one more than there are balls, or none where nothing
-    /// was held.
-    starts: Vec<u32>,
-    /// Each hold as seen from the ball of the higher index to that of the lower one.
     holds: Vec<Hold>,
-    walls: Vec<(u32, DVec2)>,
+    /// For each ball the last hold of which it is the lower one, and for each hold the one before.
+    lasts: Vec<u32>,
+    befores: Vec<u32>,
 }
 
 impl Kept {
-    /// Takes what holds so many balls, which now have these `places`, or still those that they had.
-    pub(super) fn take(&mut self, layout: Layout, stripes: &[Stripe], places: Option<&[u32]>, count: usize) {
-        let place = |at: u32| places.map_or(at, |places| places[at as usize]);
-        let numbered = || (0..).map(|number| layout.start(number)).zip(stripes);
-        self.walls.clear();
-        for (start, stripe) in numbered() {
-            let pushed = stripe.beside.iter().filter(|beside| beside.push != DVec2::ZERO);
-            self.walls.extend(pushed.map(|beside| (place(beside.body + start as u32), beside.push)));
-        }
-        self.walls.sort_unstable_by_key(|&(body, _)| body);
-        self.starts.clear();
+    pub(super) fn clear(&mut self) {
         self.holds.clear();
-        let held = || {
-            numbered().flat_map(|(start, stripe)| {
-                stripe.holds.iter().filter(|hold| hold.impulse > 0.0).map(move |hold| {
-                    let pair = hold.pair.from(start);
-                    let pair = Pair { first: place(pair.first), second: place(pair.second) };
-                    Hold { pair, ..*hold }
-                })
-            })
-        };
-        let Some(any) = held().next() else { return };
-        self.starts.resize(count + 1, 0);
-        for Hold { pair, .. } in held() {
-            self.starts[pair.first.min(pair.second) as usize + 1] += 1;
+    }
+
+    /// Takes all holds of a stripe.
+    pub(super) fn take(&mut self, holds: &mut Vec<Hold>) {
+        self.clear();
+        std::mem::swap(&mut self.holds, holds);
+    }
+
+    pub(super) fn add(&mut self, hold: Hold) {
+        self.holds.push(hold);
+    }
+
+    /// Puts the holds that hold something where those of each of so many balls are found.
+    pub(super) fn link(&mut self, count: usize) {
+        let Self { holds, lasts, befores } = self;
+        lasts.clear();
+        befores.clear();
+        holds.retain(|hold| hold.impulse > 0.0);
+        if holds.is_empty() {
+            return;
         }
-        sum_up(&mut self.starts);
-        let total = self.starts[count];
-        self.holds.resize(total as usize, any);
-        for hold in held().map(upright) {
-            let start = &mut self.starts[hold.pair.first as usize];
-            self.holds[*start as usize] = hold;
-            *start += 1;
+        lasts.resize(count, NO_LINK);
+        for (at, hold) in (0..).zip(&*holds) {
+            let lower = hold.pair.first.min(hold.pair.second) as usize;
+            befores.push(std::mem::replace(&mut lasts[lower], at));
         }
-        // Each start has become the next one's.
-        self.starts.rotate_right(1);
-        self.starts[0] = 0;
     }
 
-    /// What two balls held each other with.
-    pub(super) fn by_ball(&self, pair: Pair) -> Option<Hold> {
-        let (low, high) = (pair.first.min(pair.second), pair.first.max(pair.second));
-        let ends = self.starts.get(low as usize..low as usize + 2)?;
-        let holds = &self.holds[ends[0] as usize..ends[1] as usize];
-        let hold = *holds.iter().find(|hold| hold.pair.second == high)?;
-        Some(if pair.first == low { hold } else { hold.turned_round() })
+    /// What two balls held each other with. Holds must be linked.
+    #[inline]
+    pub(super) fn of(&self, pair: Pair) -> Option<Hold> {
+        let mut at = *self.lasts.get(pair.first.min(pair.second) as usize)?;
+        while at != NO_LINK {
+            let hold = self.holds[at as usize];
+            if (hold.pair.first, hold.pair.second) == (pair.first, pair.second) {
+                return Some(hold);
+            }
+            if (hold.pair.second, hold.pair.first) == (pair.first, pair.second) {
+                return Some(hold.turned_round());
+            }
+            at = self.befores[at as usize];
+        }
+        None
     }
-
-    /// The velocity that walls gave to a ball.
-    pub(super) fn by_wall(&self, body: usize) -> DVec2 {
-        let found = self.walls.binary_search_by_key(&(body as u32), |&(at, _)| at);
-        found.map_or(DVec2::ZERO, |at| self.walls[at].1)
-    }
-}
-
-/// A hold with the ball of the lower index as the first.
-fn upright(hold: Hold) -> Hold {
-    if hold.pair.first < hold.pair.second { hold } else { hold.turned_round() }
 }
 
 impl Hold {

@@ -7,7 +7,7 @@ use super::super::Tally;
 use super::events::Event;
 use super::holds::{Beside, Given, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
-use super::order::{Heights, Links};
+use super::order::{Heights, Kept, Known, Links};
 use super::support::Floor;
 use super::take_up::Followed;
 use super::{Body, DVec2, PRESSED, Setting};
@@ -27,6 +27,8 @@ pub(super) struct Stripe {
     pub(super) places_of_holds: Vec<u32>,
     /// For each pair, what is known of it.
     pub(super) marks: Vec<Marks>,
+    /// What held them before the search.
+    pub(super) kept: Kept,
     pub(super) links: Links,
     pub(super) heights: Heights,
     /// Bodies of this stripe, no seam, that may touch a wall.
@@ -62,12 +64,13 @@ pub(super) struct Stripe {
     pub(super) strays: Vec<u32>,
     /// Balls that what held them has thrown.
     pub(super) thrown: Vec<u32>,
-    /// How many are about to go where they are not covered.
-    pub(super) leaving: usize,
+    /// Those, and balls that are about to go where they are not covered.
+    pub(super) leaving: Vec<u32>,
+    /// Pairs of these across the stripe's edges, by the numbers of their bodies among all.
+    pub(super) across: Vec<Pair>,
+    pub(super) known: Known,
     /// How many of its bodies impacts have shifted in this substep.
     pub(super) shifted: usize,
-    /// Whether any of its bodies is fast.
-    pub(super) has_fast: bool,
     /// Whether impulses that hold apart changed much in the last sweep.
     pub(super) unsettled: bool,
     /// What happened in the first round.
@@ -93,6 +96,7 @@ impl Stripe {
         places_beside.clear();
         places_beside.resize(count, NOWHERE);
         self.strays.clear();
+        self.leaving.clear();
         self.disturbed.clear();
     }
 
@@ -191,7 +195,7 @@ pub(super) struct Holder {
     pub(super) normal: DVec2,
 }
 
-/// All stripes, or one by itself.
+/// All stripes, those of a block, or one by itself.
 #[derive(Debug)]
 pub(super) struct Stripes<'a> {
     pub(super) layout: Layout,
@@ -199,10 +203,17 @@ pub(super) struct Stripes<'a> {
 }
 
 impl Stripes<'_> {
+    /// The numbers of those that a body is in.
+    #[inline]
+    pub(super) fn of_body(&self, body: usize) -> impl Iterator<Item = usize> + use<> {
+        let count = self.list.len();
+        self.layout.of_body(body).filter(move |&number| number < count)
+    }
+
     /// What others and walls give a ball of this inverse mass in a substep. Its pairs must be linked.
     pub(super) fn given(&self, body: usize, inverse_mass: f64) -> Given {
         let mut given = Given { velocity: DVec2::ZERO, pressed: 0.0 };
-        for number in self.layout.of_body(body) {
+        for number in self.of_body(body) {
             let (stripe, body) = (&self.list[number], (body - self.layout.start(number)) as u32);
             for hold in stripe.links.of(body).filter_map(|at| stripe.hold(at)) {
                 let push = (hold.normal * hold.impulse + hold.grip) * inverse_mass;
@@ -219,7 +230,7 @@ impl Stripes<'_> {
 
     /// What holds a ball, but for walls. Its pairs must be linked.
     pub(super) fn holders(&self, body: usize) -> impl Iterator<Item = Holder> {
-        self.layout.of_body(body).flat_map(move |number| {
+        self.of_body(body).flat_map(move |number| {
             let (stripe, start) = (&self.list[number], self.layout.start(number));
             let holds = stripe.links.of((body - start) as u32).map(|at| (at, stripe.hold(at)));
             let holds = holds.filter_map(|(at, hold)| Some((at, hold?)));
@@ -240,7 +251,7 @@ impl Stripes<'_> {
 
     /// Weighs all pairs of a ball anew. They must be linked.
     pub(super) fn weigh_pairs_of(&mut self, body: usize, bodies: &[Body]) {
-        for number in self.layout.of_body(body) {
+        for number in self.of_body(body) {
             let start = self.layout.start(number);
             let stripe = &mut self.list[number];
             let mut cursor = stripe.links.begin((body - start) as u32);
@@ -256,15 +267,15 @@ pub(super) fn clear_all(list: &mut Vec<Stripe>, layout: Layout, count: usize) {
     list.resize_with(layout.len(), Stripe::default);
     for (number, stripe) in list.iter_mut().enumerate() {
         // Only stripes have bodies beside walls.
-        stripe.clear(if layout.numbers(Layer::Own).contains(&number) {
-            layout.count(number, count)
-        } else {
-            0
-        });
+        stripe.clear(if layout.layer(number) == Layer::Own { layout.count(number, count) } else { 0 });
     }
 }
 
 /// The stripes of a layer, in the order of their bodies. None where nothing was searched yet.
-pub(super) fn of_layer(list: &mut [Stripe], layout: Layout, layer: Layer) -> &mut [Stripe] {
-    list.get_mut(layout.numbers(layer)).unwrap_or_default()
+pub(super) fn of_layer(
+    list: &mut [Stripe],
+    layout: Layout,
+    layer: Layer,
+) -> impl Iterator<Item = &mut Stripe> {
+    layout.share_stripes(layer, list).filter_map(|(_, stripes)| stripes.first_mut())
 }

@@ -66,7 +66,7 @@ impl Contact {
             // There are no balls yet.
             return;
         }
-        let none_rest = of_layer(stripes, *layout, Layer::Rest).iter().all(Stripe::is_idle);
+        let none_rest = of_layer(stripes, *layout, Layer::Rest).all(|stripe| stripe.is_idle());
         let steps = passes.iter().flat_map(|pass| pass.layers.iter().map(move |&layer| (layer, pass)));
         let steps: Vec<_> = steps.filter(|&(layer, _)| !(none_rest && layer == Layer::Rest)).collect();
         if team.is_one() && none_rest {
@@ -76,8 +76,7 @@ impl Contact {
         }
         for steps in steps.chunk_by(|(one, _), (other, _)| one == other) {
             let layer = steps[0].0;
-            let shares = of_layer(stripes, *layout, layer).iter_mut();
-            let shares = shares.zip(layout.share(layer, bodies));
+            let shares = of_layer(stripes, *layout, layer).zip(layout.share(layer, bodies));
             let shares = shares.zip(layout.share_read(layer, fates));
             let shares = shares.zip(layout.share_read(layer, rests));
             let shares = shares.zip(layout.share_read(layer, homes));
@@ -100,17 +99,18 @@ fn flow(
     mut whole: Share<'_>,
     steps: &[(Layer, &Pass<'_>)],
 ) {
-    // A seam follows the stripes before and behind it, so it may come right after the latter. A stripe follows the seams
-    // at both its edges: it comes one later than the seams of the step before.
+    // A seam follows the stripes before and behind it, so it may come right after the latter, one later than the former. A
+    // stripe follows the seams at both its edges: it comes one later than the one behind it.
     let mut lag = 0;
     let mut lags = Vec::new();
     for (at, &(layer, _)) in steps.iter().enumerate() {
         lag += usize::from(layer == Layer::Own && at > 0 && steps[at - 1].0 == Layer::Seams);
         lags.push(lag);
     }
-    for turn in 0..=layout.numbers(Layer::Own).len() + lag {
+    for turn in 0..=layout.stripes() + lag {
         for (&(layer, pass), lag) in steps.iter().zip(&lags) {
-            let Some(number) = turn.checked_sub(*lag).and_then(|at| layout.numbers(layer).nth(at)) else {
+            let lag = lag + usize::from(layer == Layer::Seams);
+            let Some(number) = turn.checked_sub(lag).and_then(|at| layout.numbers(layer).nth(at)) else {
                 continue;
             };
             let share = &mut whole.of(layout, number);

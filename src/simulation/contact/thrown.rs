@@ -55,7 +55,7 @@ impl Contact {
 impl Stripes<'_> {
     /// Forgets what others and walls give a ball, and it them. Its pairs must be linked.
     pub(super) fn let_go_of(&mut self, body: usize, bodies: &mut [Body]) {
-        for number in self.layout.of_body(body) {
+        for number in self.of_body(body) {
             let start = self.layout.start(number);
             let (stripe, own) = (&mut self.list[number], (body - start) as u32);
             let mut cursor = stripe.links.begin(own);

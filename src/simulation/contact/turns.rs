@@ -1,0 +1,327 @@
+//! The turns in which impacts of a substep are taken.
+//!
+//! First each stripe takes its own, in the order of time. It leaves those of balls that are foreseen to meet one of another
+//! stripe, or that were hit and have pairs there, and those that may come of these. They are taken by twos of stripes that
+//! know the seam between them, first those of every other seam, then of the others; and what these leave, with all
+//! that is fast, asleep, or was sent where it is not covered, by all stripes together. Each turn takes its impacts in the
+//! order of time, too, but after those of the turns before: near an edge a ball that is hit more than once in a substep
+//! may be hit in another order than in time. What it then meets it still meets, from when it was last hit: nothing is
+//! passed through, and no impact gives energy.
+
+use std::collections::BinaryHeap;
+use std::mem::take;
+
+use super::cover::Home;
+use super::events::Event;
+use super::find::Near;
+use super::impacts::{Fate, Limits, Stage};
+use super::layout::{Layer, Layout};
+use super::stripes::{Stripe, Stripes};
+use super::{Contact, Tally};
+
+/// What is known of the bodies' impacts in a substep.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Course {
+    /// For each body.
+    pub(super) fates: Vec<Fate>,
+    /// For each body, the first turn that may take its impacts.
+    turns: Vec<Turn>,
+    /// Those that are foreseen in the last.
+    queue: BinaryHeap<Event>,
+}
+
+/// Who takes impacts, in the order in which they do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Turn {
+    Stripes,
+    Even,
+    Odd,
+    All,
+}
+
+impl Turn {
+    /// Those that know the pairs of a seam.
+    fn of_seam(number: usize) -> Self {
+        if Layout::twos_of_seam(number) == Layer::Even { Self::Even } else { Self::Odd }
+    }
+}
+
+impl Course {
+    /// Whether a body was hit in the last substep.
+    pub(super) fn was_hit(&self, body: usize) -> bool {
+        self.fates.get(body).is_some_and(|fate| fate.hits > 0)
+    }
+}
+
+impl Contact {
+    /// All impacts of a substep.
+    pub(super) fn impacts(&mut self, tally: &mut Tally) {
+        let Some(near) = &self.near else { return };
+        if near.stripes.iter().all(Stripe::is_idle) {
+            return;
+        }
+        self.course.fates.resize(self.bodies.len(), Fate::default());
+        if near.layout.is_cut() {
+            self.course.turns.clear();
+            self.course.turns.resize(self.bodies.len(), Turn::Stripes);
+            self.turn(Layer::Own, |mut work| work.begin());
+            self.turn(Layer::Seams, |mut work| work.leave_all(Turn::of_seam(work.first)));
+            self.turn(Layer::Rest, |mut work| work.leave_all(Turn::All));
+            self.turn(Layer::Own, |work| work.take_own(Turn::Stripes));
+            self.turn(Layer::Even, |work| work.take_own(Turn::Even));
+            self.turn(Layer::Odd, |work| work.take_own(Turn::Odd));
+        }
+        let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, .. } = self else {
+            return;
+        };
+        let Course { fates, queue, .. } = course;
+        let limits = Limits::of(bodies.len(), near.crowd, setting);
+        take_left(Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits }, near);
+    }
+
+    /// Works on each part of a layer by itself.
+    fn turn(&mut self, layer: Layer, work: impl Fn(Work<'_>) + Sync + Send) {
+        let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, team, .. } = self
+        else {
+            return;
+        };
+        let (layout, limits) = (near.layout, Limits::of(bodies.len(), near.crowd, setting));
+        let shares = layout.share_stripes(layer, &mut near.stripes);
+        let shares = shares.zip(layout.share(layer, bodies)).zip(layout.share(layer, &mut course.fates));
+        let shares = shares.zip(layout.share_read(layer, restitutions)).zip(layout.share(layer, rests));
+        let shares = shares.zip(layout.share(layer, hit)).zip(layout.share_read(layer, &near.homes));
+        let shares = shares.zip(layout.share_read(layer, &near.crossing));
+        let shares = shares.zip(layout.share(layer, &mut course.turns));
+        team.each(shares, |share| {
+            let ((((((((stripes, bodies), fates), restitutions), rests), hit), homes), crossing), turns) =
+                share;
+            let (first, list) = stripes;
+            let (mut tally, mut queue) = (list[0].tally, take(&mut list[0].queue));
+            let (counts, events) = (&mut tally, &mut queue);
+            let stage = Stage {
+                setting,
+                bodies,
+                fates,
+                restitutions,
+                rests,
+                hit,
+                tally: counts,
+                queue: events,
+                limits,
+            };
+            let stripes = Stripes {
+                layout: if list.len() == 1 { Layout::ONE } else { layout.of_block() },
+                list: &mut *list,
+            };
+            work(Work { stage, layout, first, stripes, homes, crossing, turns });
+            (list[0].tally, list[0].queue) = (tally, queue);
+        });
+    }
+}
+
+/// A stripe, or a block of them, that is worked on by itself.
+struct Work<'a> {
+    stage: Stage<'a>,
+    /// That of all stripes, and the number of the first among them.
+    layout: Layout,
+    first: usize,
+    stripes: Stripes<'a>,
+    homes: &'a [Home],
+    crossing: &'a [Layer],
+    turns: &'a mut [Turn],
+}
+
+impl Work<'_> {
+    /// Begins a substep of a stripe.
+    fn begin(&mut self) {
+        *self.stage.tally = Tally::default();
+        let has_fast = self.stage.begin();
+        self.foresee_all();
+        if has_fast {
+            (0..self.stage.bodies.len()).for_each(|body| self.stage.foresee_fast_wall(body));
+        }
+    }
+
+    /// Foresees the impacts of a stripe from the substep's beginning.
+    fn foresee_all(&mut self) {
+        self.stripes.list[0].left_events.clear();
+        self.stripes.list[0].left_bodies.clear();
+        self.stage.queue.clear();
+        self.stage.foresee_all(0, &mut self.stripes);
+    }
+
+    /// Leaves all impacts of a seam, or of the rest, to a later turn, and all others of their balls.
+    fn leave_all(&mut self, later: Turn) {
+        self.foresee_all();
+        for event in self.stage.queue.iter() {
+            for body in Stage::bodies_of(event, &self.stripes).into_iter().flatten() {
+                self.turns[body] = later.max(self.turns[body]);
+            }
+        }
+        self.stripes.list[0].left_events.extend(self.stage.queue.drain());
+    }
+
+    /// Takes the impacts that nothing outside can come into.
+    fn take_own(mut self, now: Turn) {
+        self.take_back(now);
+        while let Some(event) = self.stage.queue.pop() {
+            let met = Stage::bodies_of(&event, &self.stripes);
+            if !self.stage.still_holds(&event, met) {
+                continue;
+            }
+            let first_turn =
+                |body: usize| if self.stage.rests[body].asleep { Turn::All } else { self.turns[body] };
+            let met = met.into_iter().flatten();
+            let later = met.clone().map(first_turn).max().unwrap_or(now);
+            if later > now {
+                self.leave(event, met, later);
+                continue;
+            }
+            let hit = self.stage.take(&event, &mut self.stripes);
+            for body in hit.into_iter().flatten() {
+                self.look_out(body, now);
+            }
+            for body in hit.into_iter().flatten().filter(|&body| self.turns[body] <= now) {
+                self.stage.foresee(body, &mut self.stripes);
+            }
+        }
+    }
+
+    /// Foresees what earlier turns left to this.
+    fn take_back(&mut self, now: Turn) {
+        let Self { stage, stripes, turns, .. } = self;
+        let count = stage.bodies.len();
+        for number in 0..stripes.list.len() {
+            let mut events = take(&mut stripes.list[number].left_events);
+            events.retain(|event| {
+                let event = event.of_stripe(number);
+                let met = Stage::bodies_of(&event, stripes).into_iter().flatten();
+                let waits = met.map(|body| turns[body]).max() > Some(now);
+                if !waits {
+                    stage.queue.push(event);
+                }
+                waits
+            });
+            stripes.list[number].left_events = events;
+        }
+        let waiting = |stripe: &Stripe| !stripe.left_bodies.is_empty();
+        if stage.queue.is_empty() && !stripes.list.iter().any(waiting) {
+            return;
+        }
+        for (number, stripe) in stripes.list.iter_mut().enumerate() {
+            stripe.link(stripes.layout.count(number, count));
+        }
+        for number in 0..stripes.list.len() {
+            let start = stripes.layout.start(number);
+            let mut bodies = take(&mut stripes.list[number].left_bodies);
+            bodies.retain(|&body| {
+                let body = start + body as usize;
+                let waits = turns[body] > now;
+                if !waits {
+                    stage.foresee(body, stripes);
+                }
+                waits
+            });
+            stripes.list[number].left_bodies = bodies;
+        }
+    }
+
+    /// Leaves an impact to a later turn, and all others of its balls.
+    fn leave(&mut self, event: Event, met: impl Iterator<Item = usize>, later: Turn) {
+        let stripe = event.stripe();
+        // No later turn but the last knows this seam.
+        let is_own = |number| self.stripes.layout.layer(number) == Layer::Own;
+        let later = if stripe.is_none_or(is_own) { later } else { Turn::All };
+        for body in met {
+            self.turns[body] = later.max(self.turns[body]);
+            if stripe.is_none() {
+                self.leave_body(body);
+            }
+        }
+        if let Some(number) = stripe {
+            self.stripes.list[number].left_events.push(event);
+        }
+    }
+
+    /// Leaves what a body will meet to a later turn.
+    fn leave_body(&mut self, body: usize) {
+        let number = self.stripes.layout.own_of(body);
+        let body = body - self.stripes.layout.start(number);
+        self.stripes.list[number].left_bodies.push(body as u32);
+    }
+
+    /// Leaves what comes of a ball that was hit to a later turn where this one does not know all that it may meet.
+    fn look_out(&mut self, body: usize, now: Turn) {
+        let Self { stage, layout, first, homes, crossing, .. } = self;
+        let covered = homes[body].covers(stage.bodies[body].end(stage.setting.substep));
+        let seam = || layout.seam_of(layout.start(*first) + body).map_or(Turn::All, Turn::of_seam);
+        let later = match crossing[body] {
+            _ if stage.limits.exhausts(&stage.fates[body]) || !covered => Turn::All,
+            Layer::Own => now,
+            Layer::Seams if seam() >= now => seam(),
+            _ => Turn::All,
+        };
+        if later > now {
+            self.turns[body] = later;
+            self.leave_body(body);
+        }
+    }
+}
+
+/// Takes all impacts that are left.
+fn take_left(mut stage: Stage<'_>, near: &mut Near) {
+    let (layout, count) = (near.layout, stage.bodies.len());
+    if layout.is_cut() {
+        stage.queue.clear();
+        for (number, stripe) in near.stripes.iter().enumerate() {
+            stage.queue.extend(stripe.left_events.iter().map(|event| event.of_stripe(number)));
+        }
+        for number in layout.numbers(Layer::Own) {
+            stage.tally.add(&near.stripes[number].tally);
+        }
+    } else {
+        if stage.begin() {
+            (0..count).for_each(|body| stage.foresee_fast_wall(body));
+        }
+        stage.foresee_all(0, &mut near.all());
+    }
+    let left = |stripe: &Stripe| !stripe.left_bodies.is_empty();
+    if !stage.queue.is_empty() || near.stripes.iter().any(left) {
+        near.link_pairs(count);
+    }
+    if layout.is_cut() {
+        for number in layout.numbers(Layer::Own) {
+            for at in 0..near.stripes[number].left_bodies.len() {
+                let body = layout.start(number) + near.stripes[number].left_bodies[at] as usize;
+                near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
+                stage.foresee(body, &mut near.all());
+            }
+        }
+    }
+    while let Some(event) = stage.queue.pop() {
+        if stage.limits.exhausted && !stage.limits.ended {
+            stage.end_fast(event.time);
+        }
+        let stripes = &mut near.all();
+        if !stage.still_holds(&event, Stage::bodies_of(&event, stripes)) {
+            continue;
+        }
+        let together = if layout.is_cut() { None } else { stage.take_together(&event, stripes) };
+        if let Some(hit) = together {
+            go_on(&mut stage, near, hit.iter().copied());
+        } else {
+            let hit = stage.take(&event, stripes);
+            go_on(&mut stage, near, hit.into_iter().flatten());
+        }
+    }
+}
+
+/// Looks at what comes of bodies that were hit.
+fn go_on(stage: &mut Stage<'_>, near: &mut Near, hit: impl Iterator<Item = usize> + Clone) {
+    for body in hit.clone() {
+        near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
+    }
+    for body in hit {
+        stage.foresee(body, &mut near.all());
+    }
+}
