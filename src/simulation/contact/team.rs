@@ -43,29 +43,110 @@ impl Team {
 #[cfg(feature = "parallel")]
 mod pool {
     use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
-    use rayon::prelude::*;
-    use rayon::{ThreadPool, ThreadPoolBuilder};
+    use rayon::{ThreadPool, ThreadPoolBuilder, Yield, current_thread_index, join, scope, yield_now};
 
     #[derive(Debug, Clone)]
-    pub(super) struct Pool(Arc<ThreadPool>);
+    pub(super) struct Pool {
+        threads: Arc<ThreadPool>,
+        /// For each thread whether it is at work on parts, or waits for those of them that another has taken.
+        at_work: Arc<[AtomicBool]>,
+        /// Whether each may have a core of its own.
+        fits: bool,
+    }
 
     impl Pool {
-        pub(super) fn new(threads: usize) -> Option<Self> {
-            ThreadPoolBuilder::new().num_threads(threads).build().ok().map(|pool| Self(Arc::new(pool)))
+        pub(super) fn new(count: usize) -> Option<Self> {
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            let threads = ThreadPoolBuilder::new().num_threads(count).build().ok()?;
+            let at_work = (0..count).map(|_| AtomicBool::new(false)).collect();
+            Some(Self { threads: Arc::new(threads), at_work, fits: count <= cores })
         }
 
+        /// While one thread does `work`, the others wait for their parts of it without going to sleep, if there is a core
+        /// for each: to be woken takes longer than many a part.
         pub(super) fn gather<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-            self.0.install(work)
+            if !self.fits {
+                return self.threads.install(work);
+            }
+            self.threads.install(|| {
+                let (own, over) = (current_thread_index(), &AtomicBool::new(false));
+                scope(|scope| {
+                    scope.spawn_broadcast(move |_, context| {
+                        // One that took a part before it came here waits for others with that part unfinished: if it
+                        // stayed here, `work` would never be over.
+                        let waits = Some(context.index()) != own && !self.is_at_work(context.index());
+                        while waits && !over.load(Ordering::Relaxed) {
+                            if yield_now() != Some(Yield::Executed) {
+                                std::thread::yield_now();
+                            }
+                        }
+                    });
+                    // The others are let go of even where `work` panics.
+                    let _over = Over(over);
+                    work()
+                })
+            })
         }
 
-        #[expect(clippy::unused_self, reason = "rayon finds the pool by the thread that it is called on")]
         pub(super) fn each<T: Send>(&self, items: Vec<T>, work: impl Fn(T) + Sync + Send) {
-            if items.len() > 1 {
-                items.into_par_iter().with_max_len(1).for_each(work);
-            } else {
-                items.into_iter().for_each(work);
+            let from_behind = current_thread_index().is_some_and(|index| index % 2 == 1);
+            let mut items: Vec<_> = items.into_iter().map(Some).collect();
+            let half = items.len() / 2;
+            let (low, high) = items.split_at_mut(half);
+            in_halves(from_behind, || self.share(low, false, &work), || self.share(high, true, &work));
+        }
+
+        /// Works on items, from the first on or from the last. Two threads begin at both ends of all, each at the same end
+        /// from pass to pass, since its cache still holds what is there, and meet where one of them gets to first.
+        fn share<T: Send>(
+            &self,
+            items: &mut [Option<T>],
+            from_behind: bool,
+            work: &(impl Fn(T) + Sync + Send),
+        ) {
+            if let [item] = items {
+                item.take().into_iter().for_each(work);
+            } else if !items.is_empty() {
+                let half = items.len() / 2;
+                let (low, high) = items.split_at_mut(half);
+                let (low, high) =
+                    (|| self.share(low, from_behind, work), || self.share(high, from_behind, work));
+                self.at_work(|| in_halves(from_behind, low, high));
             }
+        }
+
+        fn is_at_work(&self, thread: usize) -> bool {
+            self.at_work.get(thread).is_some_and(|at_work| at_work.load(Ordering::Relaxed))
+        }
+
+        /// Does `work`, and lets it be known that this thread is at it.
+        fn at_work(&self, work: impl FnOnce()) {
+            let at_work = current_thread_index().and_then(|index| self.at_work.get(index));
+            let was = at_work.is_some_and(|at_work| at_work.swap(true, Ordering::Relaxed));
+            work();
+            if let Some(at_work) = at_work {
+                at_work.store(was, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Says that something is over when it goes out of scope.
+    struct Over<'a>(&'a AtomicBool);
+
+    impl Drop for Over<'_> {
+        fn drop(&mut self) {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Does both; the thread that it is called on does `low` first, or `high`.
+    fn in_halves(from_behind: bool, low: impl FnOnce() + Send, high: impl FnOnce() + Send) {
+        if from_behind {
+            join(high, low);
+        } else {
+            join(low, high);
         }
     }
 }
@@ -88,5 +169,55 @@ mod pool {
         pub(super) fn each<T>(&self, _items: Vec<T>, _work: impl Fn(T)) {
             match *self {}
         }
+    }
+}
+
+#[cfg(all(test, feature = "parallel"))]
+mod tests {
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::Team;
+
+    /// Threads that waited for others with a part of theirs unfinished did not, once in some thousands.
+    #[test]
+    fn every_gathering_comes_to_its_end_with_all_parts_done_once() {
+        for threads in [2, 3] {
+            let mut team = Team::default();
+            team.start(threads);
+            for round in 0..4000 {
+                let done: Vec<_> = (0..=round % 9).map(|_| AtomicU32::new(0)).collect();
+                team.gather(|| {
+                    for _ in 0..4 {
+                        team.each((0..).zip(&done), |(at, part)| {
+                            (0..(7 * at + round) % 40 * 20).for_each(|_| std::hint::spin_loop());
+                            part.fetch_add(1, Ordering::Relaxed);
+                        });
+                    }
+                });
+                assert!(done.iter().all(|part| part.load(Ordering::Relaxed) == 4), "{threads} {round}");
+            }
+        }
+    }
+
+    /// Clones share their threads.
+    #[test]
+    fn two_that_gather_the_same_threads_at_one_time_both_come_to_their_end() {
+        let mut team = Team::default();
+        team.start(2);
+        let gather = |team: Team| {
+            move || {
+                let done = AtomicU32::new(0);
+                for _ in 0..2000 {
+                    team.gather(|| {
+                        team.each(0..6, |_| {
+                            done.fetch_add(1, Ordering::Relaxed);
+                        });
+                    });
+                }
+                done.into_inner()
+            }
+        };
+        let others = std::thread::spawn(gather(team.clone()));
+        assert_eq!((gather(team)(), others.join().unwrap()), (12_000, 12_000));
     }
 }
