@@ -81,16 +81,24 @@ impl Near {
         }
         let covers = |(home, body): (&Home, &Body)| home.covers(body.end(setting.substep));
         let layout = self.layout;
-        let shares = layout.share_read(Layer::Own, &self.homes).zip(layout.share_read(Layer::Own, bodies));
-        let shares = shares.zip(of_layer(&mut self.stripes, layout, Layer::Own));
-        team.each(shares, |((homes, bodies), Stripe { leaving, strays, .. })| {
-            let uncovered = |at: &u32| !covers((&homes[*at as usize], &bodies[*at as usize]));
+        let find_leaving = |((homes, bodies), stripe): ((&[Home], &[Body]), &mut Stripe)| {
+            let Stripe { leaving, strays, .. } = stripe;
             leaving.clear();
-            leaving.extend((0..bodies.len() as u32).filter(uncovered));
-            leaving.extend(strays.iter().filter(|&stray| !uncovered(stray)));
-        });
-        let leaving = of_layer(&mut self.stripes, layout, Layer::Own).map(|stripe| stripe.leaving.len());
-        let left: usize = leaving.sum();
+            // Mostly there are none, and to count is faster than to gather.
+            if homes.iter().zip(bodies).filter(|&ball| !covers(ball)).count() + strays.len() == 0 {
+                return;
+            }
+            let is_covered = |at: u32| covers((&homes[at as usize], &bodies[at as usize]));
+            leaving.extend((0..bodies.len() as u32).filter(|&at| !is_covered(at)));
+            leaving.extend(strays.iter().filter(|&&at| is_covered(at)));
+        };
+        if let [stripe] = &mut self.stripes[..] {
+            find_leaving(((&self.homes, bodies), stripe));
+        } else {
+            let balls = layout.share_read(Layer::Own, &self.homes).zip(layout.share_read(Layer::Own, bodies));
+            team.each(balls.zip(of_layer(&mut self.stripes, layout, Layer::Own)), find_leaving);
+        }
+        let left: usize = self.stripes.iter().map(|stripe| stripe.leaving.len()).sum();
         if left == 0 {
             return true;
         }

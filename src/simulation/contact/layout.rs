@@ -139,6 +139,7 @@ impl Layout {
     }
 
     /// The numbers that each part of a layer has.
+    #[inline]
     fn parts(self, layer: Layer) -> impl Iterator<Item = Range<usize>> + use<> {
         // The first begins two before this.
         let (first, step, width) = match layer {
@@ -165,12 +166,14 @@ impl Layout {
     }
 
     /// How many of `all` bodies a stripe has.
+    #[inline]
     pub(super) fn count(self, number: usize, all: usize) -> usize {
         let left = all.saturating_sub(self.start(number));
         if number < 2 * self.own { left.min(2 << self.shift) } else { left }
     }
 
     /// Which of `all` bodies each part of a layer has.
+    #[inline]
     fn bodies(self, layer: Layer, all: usize) -> impl Iterator<Item = Range<usize>> + use<> {
         self.parts(layer).map(move |part| {
             let last = part.end - 1;
@@ -179,6 +182,7 @@ impl Layout {
     }
 
     /// Items, one a body, as the parts of a layer have them.
+    #[inline]
     pub(super) fn share<T>(
         self,
         layer: Layer,
@@ -189,11 +193,13 @@ impl Layout {
     }
 
     /// The same for items that are only read.
+    #[inline]
     pub(super) fn share_read<T>(self, layer: Layer, items: &[T]) -> impl Iterator<Item = &[T]> + use<'_, T> {
         self.bodies(layer, items.len()).map(|bodies| &items[bodies])
     }
 
     /// Stripes, as the parts of a layer have them, with the number of the first of each. None where there are none yet.
+    #[inline]
     pub(super) fn share_stripes<T>(
         self,
         layer: Layer,
@@ -206,6 +212,7 @@ impl Layout {
 }
 
 /// Ranges of items, in their order, none of which overlap.
+#[inline]
 fn cut_out<T>(
     mut items: &mut [T],
     ranges: impl Iterator<Item = Range<usize>>,

@@ -216,7 +216,7 @@ impl Contact {
         }
         // Not that of the last search: balls may have been added since.
         let (kick, layout) = (setting.kick, Layout::of(bodies.len()));
-        team.each(layout.share(Layer::Own, bodies), |bodies| {
+        let accelerate = |bodies: &mut [Body]| {
             for body in bodies {
                 if kick == DVec2::ZERO {
                     // Nothing presses: what held balls when they met is of no use any more.
@@ -227,7 +227,12 @@ impl Contact {
                 body.free = body.velocity + if body.inverse_mass > 0.0 { kick } else { DVec2::ZERO };
                 body.velocity += change;
             }
-        });
+        };
+        if layout.is_cut() {
+            team.each(layout.share(Layer::Own, bodies), accelerate);
+        } else {
+            accelerate(bodies);
+        }
     }
 
     /// Looks for pairs anew where what was found no longer covers this substep.

@@ -2,11 +2,11 @@
 //!
 //! First each stripe takes its own, in the order of time. It leaves those of balls that are foreseen to meet one of another
 //! stripe, or that were hit and have pairs there, and those that may come of these. They are taken by twos of stripes that
-//! know the seam between them, first those of every other seam, then of the others; and what these leave, with all
-//! that is fast, asleep, or was sent where it is not covered, by all stripes together. Each turn takes its impacts in the
-//! order of time, too, but after those of the turns before: near an edge a ball that is hit more than once in a substep
-//! may be hit in another order than in time. What it then meets it still meets, from when it was last hit: nothing is
-//! passed through, and no impact gives energy.
+//! know the seam between them, first those of every other seam, then of the others; and what these leave, with all that
+//! is asleep or was sent where it is not covered, by all stripes together. Each turn takes its impacts in the order of
+//! time, too, but after those of the turns before: near an edge a ball that is hit more than once in a substep may be hit
+//! in another order than in time. What it then meets it still meets, from when it was last hit: nothing is passed through,
+//! and no impact gives energy.
 
 use std::collections::BinaryHeap;
 use std::mem::take;
@@ -196,11 +196,13 @@ impl Work<'_> {
             events.retain(|event| {
                 let event = event.of_stripe(number);
                 let met = Stage::bodies_of(&event, stripes).into_iter().flatten();
-                let waits = met.map(|body| turns[body]).max() > Some(now);
-                if !waits {
+                let later = met.clone().map(|body| turns[body]).max().unwrap_or(now);
+                // With it wait all others of its balls.
+                met.for_each(|body| turns[body] = later.max(turns[body]));
+                if later <= now {
                     stage.queue.push(event);
                 }
-                waits
+                later > now
             });
             stripes.list[number].left_events = events;
         }
