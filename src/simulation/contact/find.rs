@@ -110,10 +110,7 @@ impl Near {
         clear_all(&mut self.stripes, self.layout, bodies.len());
         self.crossing.clear();
         self.crossing.resize(bodies.len(), Layer::Own);
-        self.find_homes(bodies, setting, team);
-        if setting.walls.is_some() {
-            self.find_walls(bodies, cargo.rests, setting);
-        }
+        self.find_homes(bodies, cargo.rests, setting, team);
         (self.found, self.added) = (0, 0);
         if pairs {
             self.find_pairs(bodies.len(), setting, team);
@@ -197,7 +194,8 @@ impl Near {
         })
     }
 
-    fn find_homes(&mut self, bodies: &[Body], setting: &Setting, team: &Team) {
+    /// Covers all balls where they are, and finds those near walls.
+    fn find_homes(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting, team: &Team) {
         let squares: f64 = bodies.iter().map(|body| body.velocity.length_squared()).sum();
         self.rms_speed = (squares / bodies.len() as f64).sqrt();
         let cover = self.cover(bodies.len(), setting);
@@ -206,16 +204,27 @@ impl Near {
         if turned != self.turned {
             (self.turned, self.cells) = (turned, None);
         }
-        let Self { layout, homes, discs, .. } = self;
+        let Self { layout, stripes, homes, discs, kept_pushes, .. } = self;
+        let pushed = |at: usize| {
+            let found = kept_pushes.binary_search_by_key(&(at as u32), |&(body, _)| body);
+            found.map_or(DVec2::ZERO, |at| kept_pushes[at].1)
+        };
         homes.resize(bodies.len(), Home { position: DVec2::ZERO, reach: 0.0 });
         discs.resize(bodies.len(), Covered { centre: DVec2::ZERO, radius: 0.0 });
         let shares = layout.share_read(Layer::Own, bodies);
         let shares = shares.zip(layout.share(Layer::Own, homes)).zip(layout.share(Layer::Own, discs));
-        team.each(shares, |((bodies, homes), discs)| {
-            for ((body, home), disc) in bodies.iter().zip(homes).zip(discs) {
+        let shares = shares.zip(layout.share_read(Layer::Own, rests));
+        let shares = shares.zip(layout.share_stripes(Layer::Own, stripes));
+        team.each(shares, |((((bodies, homes), discs), rests), (number, stripe))| {
+            for (own, ((body, home), disc)) in bodies.iter().zip(homes).zip(discs).enumerate() {
                 *home = cover(body);
                 let centre = in_cells(turned, home.position);
-                *disc = Covered { centre, radius: body.radius + home.reach };
+                let radius = body.radius + home.reach;
+                *disc = Covered { centre, radius };
+                let clear = setting.walls.is_none() || is_clear(home.position, radius, setting.size);
+                if !clear && rests[own].inverse_mass > 0.0 {
+                    stripe[0].add_beside(own as u32, pushed(layout.start(number) + own));
+                }
             }
         });
     }
@@ -247,19 +256,6 @@ impl Near {
     /// How far a ball is covered at least around its way, px.
     pub(super) fn skin(&self, body: &Body, setting: &Setting) -> f64 {
         SKIN * body.radius + self.rms_speed * setting.substep
-    }
-
-    fn find_walls(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting) {
-        for (at, (body, home)) in bodies.iter().zip(&self.homes).enumerate() {
-            let clear = is_clear(home.position, body.radius + home.reach, setting.size);
-            if !clear && rests[at].inverse_mass > 0.0 {
-                let number = self.layout.own_of(at);
-                let own = (at - self.layout.start(number)) as u32;
-                let found = self.kept_pushes.binary_search_by_key(&(at as u32), |&(body, _)| body);
-                let push = found.map_or(DVec2::ZERO, |at| self.kept_pushes[at].1);
-                self.stripes[number].add_beside(own, push);
-            }
-        }
     }
 
     /// Finds the pairs of so many balls.

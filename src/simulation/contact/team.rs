@@ -92,6 +92,10 @@ mod pool {
 
         pub(super) fn each<T: Send>(&self, items: Vec<T>, work: impl Fn(T) + Sync + Send) {
             let from_behind = current_thread_index().is_some_and(|index| index % 2 == 1);
+            if items.len() == 1 {
+                items.into_iter().for_each(work);
+                return;
+            }
             let mut items: Vec<_> = items.into_iter().map(Some).collect();
             let half = items.len() / 2;
             let (low, high) = items.split_at_mut(half);
