@@ -57,14 +57,14 @@ pub(super) struct Stripe {
     pub(super) nearing: Vec<u32>,
     /// Impacts that are foreseen.
     pub(super) queue: BinaryHeap<Event>,
-    /// Impacts that are left to the second round, and bodies whose impacts are after they were hit.
+    /// Impacts that are left to a later turn, and bodies whose impacts are after they were hit.
     pub(super) left_events: Vec<Event>,
     pub(super) left_bodies: Vec<u32>,
     /// Balls that were kept from going where they are not covered.
     pub(super) strays: Vec<u32>,
     /// Balls that what held them has thrown.
     pub(super) thrown: Vec<u32>,
-    /// Those, and balls that are about to go where they are not covered.
+    /// Strays, and balls that are about to go where they are not covered.
     pub(super) leaving: Vec<u32>,
     /// Pairs of these across the stripe's edges, by the numbers of their bodies among all.
     pub(super) across: Vec<Pair>,
@@ -73,7 +73,7 @@ pub(super) struct Stripe {
     pub(super) shifted: usize,
     /// Whether impulses that hold apart changed much in the last sweep.
     pub(super) unsettled: bool,
-    /// What happened in the first round.
+    /// What happened in all turns but the last.
     pub(super) tally: Tally,
 }
 

@@ -50,18 +50,18 @@ mod pool {
     #[derive(Debug, Clone)]
     pub(super) struct Pool {
         threads: Arc<ThreadPool>,
-        /// For each thread whether it is at work on parts, or waits for those of them that another has taken.
-        at_work: Arc<[AtomicBool]>,
+        /// For each thread whether it is at work, on the whole or on parts, or stays awake for others.
+        busy: Arc<[AtomicBool]>,
         /// Whether each may have a core of its own.
-        fits: bool,
+        pub(super) fits: bool,
     }
 
     impl Pool {
         pub(super) fn new(count: usize) -> Option<Self> {
             let cores = std::thread::available_parallelism().map_or(1, usize::from);
             let threads = ThreadPoolBuilder::new().num_threads(count).build().ok()?;
-            let at_work = (0..count).map(|_| AtomicBool::new(false)).collect();
-            Some(Self { threads: Arc::new(threads), at_work, fits: count <= cores })
+            let busy = (0..count).map(|_| AtomicBool::new(false)).collect();
+            Some(Self { threads: Arc::new(threads), busy, fits: count <= cores })
         }
 
         /// While one thread does `work`, the others wait for their parts of it without going to sleep, if there is a core
@@ -71,13 +71,13 @@ mod pool {
                 return self.threads.install(work);
             }
             self.threads.install(|| {
-                let (own, over) = (current_thread_index(), &AtomicBool::new(false));
+                let over = &AtomicBool::new(false);
                 scope(|scope| {
-                    scope.spawn_broadcast(move |_, context| {
-                        // One that took a part before it came here waits for others with that part unfinished: if it
-                        // stayed here, `work` would never be over.
-                        let waits = Some(context.index()) != own && !self.is_at_work(context.index());
-                        while waits && !over.load(Ordering::Relaxed) {
+                    scope.spawn_broadcast(move |_, _| {
+                        // One that comes here while it waits for others has work unfinished beneath: if it stayed, what
+                        // it waits for might never be over.
+                        let Some(_busy) = self.begin().filter(|busy| !busy.was) else { return };
+                        while !over.load(Ordering::Relaxed) {
                             if yield_now() != Some(Yield::Executed) {
                                 std::thread::yield_now();
                             }
@@ -85,6 +85,7 @@ mod pool {
                     });
                     // The others are let go of even where `work` panics.
                     let _over = Over(over);
+                    let _busy = self.begin();
                     work()
                 })
             })
@@ -117,22 +118,27 @@ mod pool {
                 let (low, high) = items.split_at_mut(half);
                 let (low, high) =
                     (|| self.share(low, from_behind, work), || self.share(high, from_behind, work));
-                self.at_work(|| in_halves(from_behind, low, high));
+                let _busy = self.begin();
+                in_halves(from_behind, low, high);
             }
         }
 
-        fn is_at_work(&self, thread: usize) -> bool {
-            self.at_work.get(thread).is_some_and(|at_work| at_work.load(Ordering::Relaxed))
+        /// Notes that this thread is busy, until what comes back goes out of scope.
+        fn begin(&self) -> Option<Busy<'_>> {
+            let flag = self.busy.get(current_thread_index()?)?;
+            Some(Busy { flag, was: flag.swap(true, Ordering::Relaxed) })
         }
+    }
 
-        /// Does `work`, and lets it be known that this thread is at it.
-        fn at_work(&self, work: impl FnOnce()) {
-            let at_work = current_thread_index().and_then(|index| self.at_work.get(index));
-            let was = at_work.is_some_and(|at_work| at_work.swap(true, Ordering::Relaxed));
-            work();
-            if let Some(at_work) = at_work {
-                at_work.store(was, Ordering::Relaxed);
-            }
+    /// That a thread is busy, and whether it was before.
+    struct Busy<'a> {
+        flag: &'a AtomicBool,
+        was: bool,
+    }
+
+    impl Drop for Busy<'_> {
+        fn drop(&mut self) {
+            self.flag.store(self.was, Ordering::Relaxed);
         }
     }
 
@@ -178,50 +184,57 @@ mod pool {
 
 #[cfg(all(test, feature = "parallel"))]
 mod tests {
+    use std::sync::Barrier;
     use std::sync::atomic::{AtomicU32, Ordering};
 
     use super::Team;
+    use super::pool::Pool;
+
+    /// So many threads that stay awake, however few cores there are.
+    fn awake(threads: usize) -> Team {
+        let mut pool = Pool::new(threads).unwrap();
+        pool.fits = true;
+        Team { started: true, pool: Some(pool) }
+    }
+
+    /// Lets each part of a few be done once, with more or less to do.
+    fn gather_some(team: &Team, round: u32) {
+        let done: Vec<_> = (0..=round % 9).map(|_| AtomicU32::new(0)).collect();
+        team.gather(|| {
+            for _ in 0..4 {
+                team.each((0..).zip(&done), |(at, part)| {
+                    (0..(7 * at + round) % 40 * 20).for_each(|_| std::hint::spin_loop());
+                    part.fetch_add(1, Ordering::Relaxed);
+                });
+            }
+        });
+        assert!(done.iter().all(|part| part.load(Ordering::Relaxed) == 4), "{round}");
+    }
 
     /// Threads that waited for others with a part of theirs unfinished did not, once in some thousands.
     #[test]
     fn every_gathering_comes_to_its_end_with_all_parts_done_once() {
         for threads in [2, 3] {
-            let mut team = Team::default();
-            team.start(threads);
-            for round in 0..4000 {
-                let done: Vec<_> = (0..=round % 9).map(|_| AtomicU32::new(0)).collect();
-                team.gather(|| {
-                    for _ in 0..4 {
-                        team.each((0..).zip(&done), |(at, part)| {
-                            (0..(7 * at + round) % 40 * 20).for_each(|_| std::hint::spin_loop());
-                            part.fetch_add(1, Ordering::Relaxed);
-                        });
-                    }
-                });
-                assert!(done.iter().all(|part| part.load(Ordering::Relaxed) == 4), "{threads} {round}");
-            }
+            let team = awake(threads);
+            (0..4000).for_each(|round| gather_some(&team, round));
         }
     }
 
     /// Clones share their threads.
     #[test]
     fn two_that_gather_the_same_threads_at_one_time_both_come_to_their_end() {
-        let mut team = Team::default();
-        team.start(2);
-        let gather = |team: Team| {
-            move || {
-                let done = AtomicU32::new(0);
-                for _ in 0..2000 {
-                    team.gather(|| {
-                        team.each(0..6, |_| {
-                            done.fetch_add(1, Ordering::Relaxed);
-                        });
-                    });
+        for threads in [2, 3] {
+            let (team, together) = (&awake(threads), &Barrier::new(2));
+            let gather_all = || {
+                for round in 0..1500 {
+                    together.wait();
+                    gather_some(team, round);
                 }
-                done.into_inner()
-            }
-        };
-        let others = std::thread::spawn(gather(team.clone()));
-        assert_eq!((gather(team)(), others.join().unwrap()), (12_000, 12_000));
+            };
+            std::thread::scope(|scope| {
+                scope.spawn(gather_all);
+                gather_all();
+            });
+        }
     }
 }

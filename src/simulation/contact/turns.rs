@@ -3,7 +3,7 @@
 //! First each stripe takes its own, in the order of time. It leaves those of balls that are foreseen to meet one of another
 //! stripe, or that were hit and have pairs there, and those that may come of these. They are taken by twos of stripes that
 //! know the seam between them, first those of every other seam, then of the others; and what these leave, with all that
-//! is asleep or was sent where it is not covered, by all stripes together. Each turn takes its impacts in the order of
+//! is asleep, was sent where it is not covered, or is hit without end, by all stripes together. Each turn takes its impacts in the order of
 //! time, too, but after those of the turns before: near an edge a ball that is hit more than once in a substep may be hit
 //! in another order than in time. What it then meets it still meets, from when it was last hit: nothing is passed through,
 //! and no impact gives energy.
@@ -169,8 +169,12 @@ impl Work<'_> {
             if !self.stage.still_holds(&event, met) {
                 continue;
             }
-            let first_turn =
-                |body: usize| if self.stage.rests[body].asleep { Turn::All } else { self.turns[body] };
+            let first_turn = |body: usize| match self.stage.fates[body] {
+                _ if self.stage.rests[body].asleep => Turn::All,
+                // While it waited to be seen by others it would have passed them.
+                fate if fate.fast => self.turns[body].max(self.first_to_know(body, now)),
+                _ => self.turns[body],
+            };
             let met = met.into_iter().flatten();
             let later = met.clone().map(first_turn).max().unwrap_or(now);
             if later > now {
@@ -197,6 +201,7 @@ impl Work<'_> {
                 let event = event.of_stripe(number);
                 let met = Stage::bodies_of(&event, stripes).into_iter().flatten();
                 let later = met.clone().map(|body| turns[body]).max().unwrap_or(now);
+                let later = if later > now { later_for(stripes.layout, Some(number), later) } else { later };
                 // With it wait all others of its balls.
                 met.for_each(|body| turns[body] = later.max(turns[body]));
                 if later <= now {
@@ -231,9 +236,7 @@ impl Work<'_> {
     /// Leaves an impact to a later turn, and all others of its balls.
     fn leave(&mut self, event: Event, met: impl Iterator<Item = usize>, later: Turn) {
         let stripe = event.stripe();
-        // No later turn but the last knows this seam.
-        let is_own = |number| self.stripes.layout.layer(number) == Layer::Own;
-        let later = if stripe.is_none_or(is_own) { later } else { Turn::All };
+        let later = later_for(self.stripes.layout, stripe, later);
         for body in met {
             self.turns[body] = later.max(self.turns[body]);
             if stripe.is_none() {
@@ -254,20 +257,36 @@ impl Work<'_> {
 
     /// Leaves what comes of a ball that was hit to a later turn where this one does not know all that it may meet.
     fn look_out(&mut self, body: usize, now: Turn) {
-        let Self { stage, layout, first, homes, crossing, .. } = self;
+        let Self { stage, homes, .. } = self;
         let covered = homes[body].covers(stage.bodies[body].end(stage.setting.substep));
-        let seam = || layout.seam_of(layout.start(*first) + body).map_or(Turn::All, Turn::of_seam);
-        let later = match crossing[body] {
-            _ if stage.limits.exhausts(&stage.fates[body]) || !covered => Turn::All,
-            Layer::Own => now,
-            Layer::Seams if seam() >= now => seam(),
-            _ => Turn::All,
+        let later = if stage.limits.exhausts(&stage.fates[body]) || !covered {
+            Turn::All
+        } else {
+            self.first_to_know(body, now)
         };
         if later > now {
             self.turns[body] = later;
             self.leave_body(body);
         }
     }
+
+    /// The first turn from now on that knows all pairs of a ball.
+    fn first_to_know(&self, body: usize, now: Turn) -> Turn {
+        let seam =
+            || self.layout.seam_of(self.layout.start(self.first) + body).map_or(Turn::All, Turn::of_seam);
+        match self.crossing[body] {
+            Layer::Own => now,
+            Layer::Seams if seam() >= now => seam(),
+            _ => Turn::All,
+        }
+    }
+}
+
+/// To which turn an impact of a stripe, or of none, has to be left that waits for this one: none but the last comes back to
+/// a seam.
+fn later_for(layout: Layout, stripe: Option<usize>, later: Turn) -> Turn {
+    let is_own = |number| layout.layer(number) == Layer::Own;
+    if stripe.is_none_or(is_own) { later } else { Turn::All }
 }
 
 /// Takes all impacts that are left.
