@@ -76,7 +76,8 @@ impl Near {
     /// Covers all balls in a substep in which nothing hits them, if few are not covered yet; whether it could.
     pub(super) fn keep_up(&mut self, bodies: &[Body], setting: &Setting, team: &Team) -> bool {
         let many = bodies.len() / MANY;
-        if self.homes.len() != bodies.len() || self.moved > many || self.added > self.found / MORE + FEW {
+        let added = self.pair_count() - self.found;
+        if self.homes.len() != bodies.len() || self.moved > many || added > self.found / MORE + FEW {
             return false;
         }
         let covers = |(home, body): (&Home, &Body)| home.covers(body.end(setting.substep));
@@ -113,7 +114,13 @@ impl Near {
                 self.change_home(at, cover(&bodies[at]), bodies, setting);
             }
         }
-        self.find_more_pairs(bodies, setting, team);
+        if self.seeks_pairs {
+            let (around, stripes) = self.around(bodies, setting);
+            let own = layout.share_stripes(Layer::Own, stripes);
+            let changed = own.filter(|(_, stripes)| !stripes[0].leaving.is_empty());
+            team.each(changed, |(number, stripes)| around.find_more_of(number, &mut stripes[0]));
+            layout.numbers(Layer::Own).for_each(|number| self.add_across(number, bodies));
+        }
         true
     }
 
@@ -125,10 +132,13 @@ impl Near {
             let way = 0.5 * body.velocity * (setting.substep - time);
             let home = Home { position: end - way, reach: way.length() + self.skin(body, setting) };
             self.change_home(at, home, bodies, setting);
-            let number = self.layout.own_of(at);
-            let own = (at - self.layout.start(number)) as u32;
-            self.stripes[number].leaving.push(own);
-            self.find_more_pairs(bodies, setting, &Team::default());
+            if self.seeks_pairs {
+                let (number, own) = self.layout.place_of(at);
+                self.stripes[number].leaving.push(own);
+                let (around, stripes) = self.around(bodies, setting);
+                around.find_more_of(number, &mut stripes[number]);
+                self.add_across(number, bodies);
+            }
         }
     }
 
@@ -141,9 +151,8 @@ impl Near {
             grid.insert(at as u32, &Covered { centre, radius: bodies[at].radius + home.reach });
         }
         if setting.walls.is_some() && !is_clear(home.position, bodies[at].radius + home.reach, setting.size) {
-            let number = self.layout.own_of(at);
-            let body = at - self.layout.start(number);
-            self.stripes[number].add_beside(body as u32, DVec2::ZERO);
+            let (number, own) = self.layout.place_of(at);
+            self.stripes[number].add_beside(own, DVec2::ZERO);
         }
     }
 
@@ -157,39 +166,36 @@ impl Near {
         self.discs.get(at).is_some_and(as_sorted)
     }
 
-    /// Adds, and links, the pairs that balls with another home do not have yet.
-    fn find_more_pairs(&mut self, bodies: &[Body], setting: &Setting, team: &Team) {
-        if !self.seeks_pairs {
-            return;
-        }
-        let Self { layout, stripes, crossing, homes, cells, turned, .. } = self;
-        let layout = *layout;
+    /// What is around balls, and the stripes to which pairs are added.
+    fn around<'a>(&'a mut self, bodies: &'a [Body], setting: &Setting) -> (Around<'a>, &'a mut [Stripe]) {
+        let Self { layout, stripes, homes, cells, turned, .. } = self;
         let cells = cells.as_ref().filter(|_| bodies.len() > FEW);
-        let around = Around { layout, bodies, homes, cells, turned: *turned, up: -setting.kick };
-        let changed = layout.share_stripes(Layer::Own, stripes).filter(|(_, own)| !own[0].leaving.is_empty());
-        team.each(changed, |(number, own)| around.find_more_of(number, &mut own[0]));
-        for number in layout.numbers(Layer::Own) {
-            let mut across = take(&mut stripes[number].across);
-            for pair in across.drain(..) {
-                let (first, second) = (pair.first as usize, pair.second as usize);
-                let number = layout.of_pair(first, second);
-                let (stripe, start) = (&mut stripes[number], layout.start(number) as u32);
-                stripe.link(layout.count(number, bodies.len()));
-                let pair = Pair { first: pair.first - start, second: pair.second - start };
-                let is_known =
-                    |at: usize| [stripe.pairs[at].first, stripe.pairs[at].second].contains(&pair.second);
-                if stripe.links.of(pair.first).any(is_known) {
-                    continue;
-                }
-                stripe.add_pair(pair, bodies[first].inverse_mass, bodies[second].inverse_mass);
-                stripe.link(layout.count(number, bodies.len()));
-                for body in [first, second] {
-                    crossing[body] = layout.layer(number).max(crossing[body]);
-                }
+        let up = -setting.kick;
+        (Around { layout: *layout, bodies, homes, cells, turned: *turned, up }, stripes)
+    }
+
+    /// Adds, and links, the pairs across the edges of a stripe that were gathered, as far as they are not there yet.
+    fn add_across(&mut self, number: usize, bodies: &[Body]) {
+        let Self { layout, stripes, crossing, .. } = self;
+        let mut across = take(&mut stripes[number].across);
+        for pair in across.drain(..) {
+            let (first, second) = (pair.first as usize, pair.second as usize);
+            let number = layout.of_pair(first, second);
+            let (stripe, count) = (&mut stripes[number], layout.count(number, bodies.len()));
+            let pair = pair.within(layout.start(number));
+            stripe.link(count);
+            let is_known =
+                |at: usize| [stripe.pairs[at].first, stripe.pairs[at].second].contains(&pair.second);
+            if stripe.links.of(pair.first).any(is_known) {
+                continue;
             }
-            stripes[number].across = across;
+            stripe.add_pair(pair, bodies[first].inverse_mass, bodies[second].inverse_mass);
+            stripe.link(count);
+            for body in [first, second] {
+                crossing[body] = layout.layer(number).max(crossing[body]);
+            }
         }
-        self.added = stripes.iter().map(|stripe| stripe.pairs.len()).sum::<usize>() - self.found;
+        stripes[number].across = across;
     }
 }
 
@@ -222,11 +228,12 @@ impl Around<'_> {
             self.for_each_near(at, |other| {
                 let upper = (self.bodies[at].position - self.bodies[other].position).dot(self.up) >= 0.0;
                 let (first, second) = if upper { (at, other) } else { (other, at) };
+                let pair = Pair { first: first as u32, second: second as u32 };
                 if self.layout.own_of(other) != number {
-                    stripe.across.push(Pair { first: first as u32, second: second as u32 });
+                    stripe.across.push(pair);
                 } else if known.add((other - start) as u32) {
-                    let pair = Pair { first: (first - start) as u32, second: (second - start) as u32 };
-                    stripe.add_pair(pair, self.bodies[first].inverse_mass, self.bodies[second].inverse_mass);
+                    let [first, second] = [first, second].map(|body| self.bodies[body].inverse_mass);
+                    stripe.add_pair(pair.within(start), first, second);
                 }
             });
             if stripe.pairs.len() > before {

@@ -49,9 +49,8 @@ pub(super) struct Near {
     pub(super) crossing: Vec<Layer>,
     /// Whether pairs are looked for.
     pub(super) seeks_pairs: bool,
-    /// How many pairs the search found, and how many were added since.
+    /// How many pairs the search found.
     pub(super) found: usize,
-    pub(super) added: usize,
     /// How many pairs were held apart in the last substep.
     pub(super) touched: usize,
     /// Whether the search found a crowd.
@@ -111,10 +110,11 @@ impl Near {
         self.crossing.clear();
         self.crossing.resize(bodies.len(), Layer::Own);
         self.find_homes(bodies, cargo.rests, setting, team);
-        (self.found, self.added) = (0, 0);
+        self.found = 0;
         if pairs {
             self.find_pairs(bodies.len(), setting, team);
             self.take_pairs(bodies, cargo.rests, setting, team);
+            self.found = self.pair_count();
         }
         self.crowd = self.are_crowd(bodies);
     }
@@ -140,10 +140,8 @@ impl Near {
         self.stripes.resize_with(layout.len(), Stripe::default);
         self.stripes.iter_mut().for_each(|stripe| stripe.kept.clear());
         for hold in held {
-            let Pair { first, second } = hold.pair;
-            let number = layout.of_pair(first as usize, second as usize);
-            let start = layout.start(number) as u32;
-            let pair = Pair { first: first - start, second: second - start };
+            let number = layout.of_pair(hold.pair.first as usize, hold.pair.second as usize);
+            let pair = hold.pair.within(layout.start(number));
             self.stripes[number].kept.add(Hold { pair, ..hold });
         }
     }
@@ -165,6 +163,11 @@ impl Near {
         for (number, stripe) in self.stripes.iter_mut().enumerate() {
             stripe.link(self.layout.count(number, count));
         }
+    }
+
+    /// How many pairs there are.
+    pub(super) fn pair_count(&self) -> usize {
+        self.stripes.iter().map(|stripe| stripe.pairs.len()).sum()
     }
 
     /// The balls of all pairs.
@@ -308,8 +311,7 @@ impl Near {
             parted.iter_mut().for_each(Vec::clear);
             for pair in pairs {
                 let number = layout.of_pair(pair.first as usize, pair.second as usize);
-                let start = layout.start(number) as u32;
-                parted[number].push(Pair { first: pair.first - start, second: pair.second - start });
+                parted[number].push(pair.within(layout.start(number)));
             }
         });
     }
@@ -350,7 +352,6 @@ impl Near {
                 stripe.weigh_all(bodies);
             }
         });
-        self.found = stripes.iter().map(|stripe| stripe.pairs.len()).sum();
         for layer in [Layer::Seams, Layer::Rest] {
             for number in layout.numbers(layer) {
                 let start = layout.start(number);

@@ -15,6 +15,12 @@ impl Pair {
     pub(super) fn from(self, start: usize) -> Self {
         Self { first: self.first + start as u32, second: self.second + start as u32 }
     }
+
+    /// The same pair where balls are counted from `start` on.
+    #[inline]
+    pub(super) fn within(self, start: usize) -> Self {
+        Self { first: self.first - start as u32, second: self.second - start as u32 }
+    }
 }
 
 /// How two balls hold each other: one cache line.

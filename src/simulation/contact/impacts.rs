@@ -191,8 +191,7 @@ impl Stage<'_> {
         if self.fates[body].fast {
             self.foresee_fast_wall(body);
         } else if self.fates[body].hits < self.limits.most(self.fates[body].shift) {
-            let number = layout.own_of(body);
-            let own = (body - layout.start(number)) as u32;
+            let (number, own) = layout.place_of(body);
             if let Some(at) = stripes.list[number].place_beside(own) {
                 self.foresee_wall(Spot { stripe: number as u32, at: at as u32 }, stripes);
             }

@@ -97,6 +97,13 @@ impl Layout {
         (body >> self.shift) & !1
     }
 
+    /// The stripe of a body, and its place there.
+    #[inline]
+    pub(super) fn place_of(self, body: usize) -> (usize, u32) {
+        let number = self.own_of(body);
+        (number, (body - self.start(number)) as u32)
+    }
+
     /// The seam of a body. The first half of the first stripe has none.
     #[inline]
     pub(super) fn seam_of(self, body: usize) -> Option<usize> {

@@ -192,9 +192,9 @@ impl Near {
             }
         }
         for &(at, push) in loads.by_walls.iter().filter(|&&(at, _)| rests[at].asleep) {
-            let number = self.layout.own_of(at);
+            let (number, own) = self.layout.place_of(at);
             let stripe = &mut self.stripes[number];
-            if let Some(place) = stripe.place_beside((at - self.layout.start(number)) as u32) {
+            if let Some(place) = stripe.place_beside(own) {
                 stripe.beside[place].push += push;
             }
         }

@@ -53,7 +53,7 @@ use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
 use sleep::Rest;
-use support::two;
+use support::{give, two};
 use sweep::{Pass, Share};
 use team::Team;
 use turns::Course;
@@ -273,8 +273,7 @@ impl Pass<'_> {
             for hold in stripe.holds.iter().filter(|hold| hold.impulse > 0.0) {
                 let push = hold.normal * hold.impulse + hold.grip;
                 let (first, second) = two(bodies, hold.pair);
-                first.velocity += push * first.inverse_mass;
-                second.velocity -= push * second.inverse_mass;
+                give(push, first, second);
             }
             for beside in &stripe.beside {
                 let body = &mut bodies[beside.body as usize];

@@ -245,8 +245,8 @@ impl Stripes<'_> {
 
     /// Whether a ball may touch a wall.
     pub(super) fn is_beside(&self, body: usize) -> bool {
-        let number = self.layout.own_of(body);
-        self.list[number].place_beside((body - self.layout.start(number)) as u32).is_some()
+        let (number, own) = self.layout.place_of(body);
+        self.list[number].place_beside(own).is_some()
     }
 
     /// Weighs all pairs of a ball anew. They must be linked.

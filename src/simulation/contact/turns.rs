@@ -250,9 +250,8 @@ impl Work<'_> {
 
     /// Leaves what a body will meet to a later turn.
     fn leave_body(&mut self, body: usize) {
-        let number = self.stripes.layout.own_of(body);
-        let body = body - self.stripes.layout.start(number);
-        self.stripes.list[number].left_bodies.push(body as u32);
+        let (number, own) = self.stripes.layout.place_of(body);
+        self.stripes.list[number].left_bodies.push(own);
     }
 
     /// Leaves what comes of a ball that was hit to a later turn where this one does not know all that it may meet.
