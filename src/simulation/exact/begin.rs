@@ -52,7 +52,6 @@ impl Exact {
             unwatched: 0,
             credit: 0,
             beside: false,
-            near: Vec::new(),
             found: Vec::new(),
             propped: Vec::new(),
         };

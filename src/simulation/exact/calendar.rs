@@ -6,8 +6,10 @@
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
+use std::hint::black_box;
+use std::mem;
 
-use super::FEWEST;
+use super::{FEWEST, MANY};
 
 /// Something will happen to a ball at a time, s since the year began.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,6 +60,12 @@ pub(super) struct Calendar {
     today: Vec<Entry>,
     /// Those that were written into it after it was opened, and had too many before them.
     late: BinaryHeap<Reverse<Entry>>,
+    /// How many of the open day's events, its latest, have not been [read](Self::read) ahead.
+    unread: usize,
+    /// Whether there are so many balls that what comes is read ahead, and what is written waits in `pending`.
+    many: bool,
+    /// What has yet to be written into its days.
+    pending: Vec<(usize, Entry)>,
 }
 
 /// What was written down for a day, in any order.
@@ -96,13 +104,17 @@ impl Day {
 const MOST_WRITTEN: usize = 6;
 /// So many events of the open day are looked through for the place of one that is written into it.
 const MOST_SOONER: usize = 64;
+/// So many events are read ahead at once where balls are many: what they look at must stay in the nearest cache.
+pub(super) const READ_AHEAD: usize = 32;
+/// So many events wait to be written at most.
+const MOST_PENDING: usize = 64;
 /// Moments of a year, of which each may be its end: a power of two.
 pub(super) const MOMENTS: f64 = (1_u64 << 20) as f64;
 
 /// The days of a year for so many balls: one for four of them, so that few events are to be sorted and few days to be
 /// opened, as long as all days stay in the caches; fewer and longer ones where the balls are very many.
 fn days(balls: usize) -> usize {
-    (balls / 4).min(2048).max(balls / 64).max(32).next_power_of_two()
+    (balls / 4).min(2048).max(balls / 256).max(32).next_power_of_two()
 }
 
 impl Calendar {
@@ -118,6 +130,9 @@ impl Calendar {
             most: MOST_WRITTEN * balls.max(FEWEST),
             today: Vec::new(),
             late: BinaryHeap::new(),
+            unread: 0,
+            many: balls > MANY,
+            pending: Vec::new(),
         }
     }
 
@@ -136,6 +151,8 @@ impl Calendar {
         self.written = 0;
         self.today.clear();
         self.late.clear();
+        self.unread = 0;
+        self.pending.clear();
     }
 
     /// Writes an event down, unless it lies beyond the year.
@@ -150,8 +167,39 @@ impl Calendar {
         if day < self.opened {
             return self.write_today(entry);
         }
+        if self.many {
+            return self.write_later(day, entry);
+        }
+        self.write_into(day, entry);
+    }
+
+    /// Out of the way of what is written down where balls are few.
+    #[inline(never)]
+    fn write_later(&mut self, day: usize, entry: Entry) {
+        self.pending.push((day, entry));
+        if self.pending.len() == MOST_PENDING {
+            self.write_pending();
+        }
+    }
+
+    #[inline]
+    fn write_into(&mut self, day: usize, entry: Entry) {
+        let beyond = self.beyond();
         self.days[day].push(entry);
         self.days[beyond].count = 0;
+    }
+
+    /// Writes what waits for it into its days. Each of them alone would wait for memory: they are read all at once
+    /// before.
+    fn write_pending(&mut self) {
+        let last = |&(day, _): &(usize, Entry)| {
+            let day: &Day = &self.days[day];
+            day.room.get(day.count).map_or(0, |entry| entry.ball)
+        };
+        black_box(self.pending.iter().map(last).fold(0, |read, ball| read ^ ball));
+        let mut pending = mem::take(&mut self.pending);
+        pending.drain(..).for_each(|(day, entry)| self.write_into(day, entry));
+        self.pending = pending;
     }
 
     /// Writes an event of the open day down: mostly it comes soon, so that few others are before it.
@@ -191,6 +239,9 @@ impl Calendar {
     ///
     /// The open day must have come to its end.
     pub(super) fn open(&mut self, mut holds: impl FnMut(&Entry) -> bool) -> Dawn {
+        if self.many {
+            self.write_pending();
+        }
         if self.opened == self.beyond() {
             return Dawn::YearOver;
         }
@@ -207,12 +258,20 @@ impl Calendar {
         }
         self.today.truncate(kept);
         self.today.sort_unstable_by(|a, b| b.cmp(a));
+        self.unread = if self.many { kept } else { 0 };
         Dawn::Day
     }
 
-    /// The events of the open day that were known when it was opened, latest first.
-    pub(super) fn today(&self) -> &[Entry] {
-        &self.today
+    /// Whether the next event is one that should be [read](Self::read) ahead.
+    #[inline]
+    pub(super) fn is_unread(&self) -> bool {
+        self.unread > 0 && self.today.len() <= self.unread
+    }
+
+    /// The next events, at most [`READ_AHEAD`], which are still to be taken.
+    pub(super) fn read(&mut self) -> &[Entry] {
+        self.unread = self.today.len().saturating_sub(READ_AHEAD);
+        &self.today[self.unread..]
     }
 
     /// Whether so much has been written that what no longer holds takes too much room: the year should end early.
@@ -243,15 +302,22 @@ mod tests {
         #[test]
         fn events_come_in_their_order_however_they_are_written(
             times in prop::collection::vec(0.0..1.2_f64, 0..300), more in prop::collection::vec(0.0..0.5_f64, 300),
+            many: bool,
         ) {
             let mut calendar = Calendar::new(times.len());
+            calendar.many = many;
             calendar.begin(1.0);
             for (ball, &time) in times.iter().enumerate() {
                 calendar.write(time, ball as u32);
             }
             let (mut taken, mut last) = (Vec::new(), 0.0);
             loop {
-                while let Some(entry) = calendar.next(1.0) {
+                loop {
+                    if calendar.is_unread() {
+                        prop_assert!(many);
+                        prop_assert!((1..=READ_AHEAD).contains(&calendar.read().len()));
+                    }
+                    let Some(entry) = calendar.next(1.0) else { break };
                     prop_assert!(entry.time >= last);
                     last = entry.time;
                     // Each event of the first half brings another one soon, in the open day or a later one.

@@ -298,18 +298,28 @@ impl Cells {
         }
     }
 
-    /// Hands over what [`for_each_near`](Self::for_each_near) will begin with, once the ball has gone over the border
-    /// `crosses`, if it does so: the first ball, or [`END`], of each cell of its own level.
+    /// The ball behind a ball in its cell, or [`END`].
+    #[inline]
+    pub(super) fn behind(&self, ball: usize) -> u32 {
+        self.links[ball]
+    }
+
+    /// Hands over the first ball, or [`END`], of each cell, at most nine, of a ball's own level that is looked at when the
+    /// ball has gone over the border `crosses`, if it does so, and of those that it goes from and to.
     #[inline]
     pub(super) fn heads_near(
         &self,
         ball: usize,
         place: Place,
         crosses: Option<Border>,
-        gather: impl FnMut(u32),
+        mut gather: impl FnMut(u32),
     ) {
-        let place = crosses.map_or(place, |border| place.beyond(border));
-        self.heads_around(&self.levels[self.level(ball)], place, crosses, gather);
+        let level = &self.levels[self.level(ball)];
+        let to = crosses.map_or(place, |border| place.beyond(border));
+        if crosses.is_some() {
+            [place, to].map(|place| self.links[level.index(place)]).into_iter().for_each(&mut gather);
+        }
+        self.heads_around(level, to, crosses, gather);
     }
 
     /// Visits the cells of a finer level that make up those around a place, or beyond a border, of a coarser one.

@@ -6,7 +6,7 @@ use glam::DVec2;
 use crate::simulation::flight::{self, NEVER, Pair};
 use crate::simulation::lesser::lesser;
 
-use super::calendar::Entry;
+use super::calendar::{Entry, READ_AHEAD};
 use super::cells::{Border, END};
 use super::flights::{Against, Marks};
 use super::together::AT_HAND;
@@ -48,6 +48,29 @@ impl Ahead {
         if time < self.impact {
             (self.impact, self.wall) = (time, Against::wall(axis, up));
         }
+    }
+}
+
+/// Balls near those of the next events.
+struct Slots {
+    slots: [u32; 9 * READ_AHEAD],
+    count: usize,
+}
+
+impl Slots {
+    fn new() -> Self {
+        Self { slots: [END; 9 * READ_AHEAD], count: 0 }
+    }
+
+    /// Adds one, unless it is [`END`]: which of the two no branch could foretell.
+    #[inline]
+    fn push(&mut self, slot: u32) {
+        self.slots[self.count] = slot;
+        self.count += usize::from(slot != END);
+    }
+
+    fn iter(&self) -> impl Iterator<Item = usize> {
+        self.slots[..self.count].iter().map(|&slot| slot as usize)
     }
 }
 
@@ -118,20 +141,35 @@ impl Exact {
         self.write_next::<N>(slot, &ahead);
     }
 
-    /// Reads what the events of the open day will look at. Each of them alone would wait for memory; asked for all at
-    /// once, with no branch between, it answers many times as fast.
-    pub(super) fn prefetch(&mut self) {
-        let Some(cells) = &self.cells else { return };
-        self.near.clear();
-        for &Entry { time, ball } in self.calendar.today() {
+    /// Reads what the next events will look at. Each of them alone would wait for memory, again and again; asked for all
+    /// at once, with nothing between that depends on what comes, memory answers many times as fast.
+    pub(super) fn read_ahead(&mut self) {
+        let Self { cells: Some(cells), calendar, flights, marks, .. } = self else { return };
+        let events = calendar.read();
+        // What is read is good for nothing else, but the compiler must not know.
+        let mut read = 0;
+        for &Entry { ball, .. } in events {
             let slot = ball as usize;
-            let flight = &self.flights[slot];
-            let crosses = (flight.impact != time).then(|| self.marks[slot].border());
-            cells.heads_near(slot, flight.place, crosses, |head| self.near.push(head));
+            read ^=
+                flights[slot].event.to_bits() ^ marks[slot].rests() as u64 ^ u64::from(cells.behind(slot));
         }
-        let last = self.flights.len() - 1;
-        let read = |sum: f64, &near: &u32| sum + self.flights[(near as usize).min(last)].time;
-        std::hint::black_box(self.near.iter().fold(0.0, read));
+        // Balls at the head of their cells, and those behind them; hardly any is third.
+        let mut near = Slots::new();
+        for &Entry { time, ball } in events {
+            let (slot, flight) = (ball as usize, &flights[ball as usize]);
+            // What no longer holds crosses nothing: it may be bound for a wall.
+            let crosses = (flight.event == time && flight.impact != time).then(|| marks[slot].border());
+            cells.heads_near(slot, flight.place, crosses, |head| near.push(head));
+        }
+        let mut second = Slots::new();
+        for slot in near.iter() {
+            read ^= flights[slot].event.to_bits();
+            second.push(cells.behind(slot));
+        }
+        for slot in second.iter() {
+            read ^= flights[slot].event.to_bits() ^ u64::from(cells.behind(slot));
+        }
+        std::hint::black_box(read);
     }
 
     /// Whether two balls that fly through each other overlap now.

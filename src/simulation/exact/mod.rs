@@ -85,8 +85,6 @@ pub(super) struct Exact {
     unwatched: u32,
     /// Events that may yet be spent on the search for groups at rest; below 0 it waits.
     credit: i64,
-    /// The balls near those of the open day's events.
-    near: Vec<u32>,
     /// For each slot its place in the group that is looked at.
     found: Vec<u32>,
     /// Which held balls lean on which fixed ones.
@@ -111,8 +109,8 @@ const SHORTEST_YEAR: f64 = 1.0 / (1_u64 << 58) as f64;
 const LONGEST_YEAR: f64 = 16.0;
 /// The most events that are saved up for the search for groups at rest.
 const MOST_CREDIT: i64 = 1024;
-/// So many balls and their cells do not stay in the caches near the processor.
-const MANY: usize = 50_000;
+/// So many balls, their cells and their days do not stay in the caches near the processor.
+const MANY: usize = 30_000;
 /// Events between two looks at the caller's watch.
 const EVENTS_PER_LOOK: u32 = 256;
 
@@ -205,7 +203,11 @@ impl Exact {
         go_on: &mut dyn FnMut() -> bool,
     ) -> Option<Pause> {
         loop {
-            while let Some(entry) = self.calendar.next(until) {
+            loop {
+                if self.calendar.is_unread() {
+                    self.read_ahead();
+                }
+                let Some(entry) = self.calendar.next(until) else { break };
                 if !self.has_time(go_on) {
                     self.calendar.put_back(entry);
                     return Some(Pause::Stopped(entry.time));
@@ -223,9 +225,6 @@ impl Exact {
             let dawn = calendar.open(|entry| flights[entry.ball as usize].event == entry.time);
             if dawn == Dawn::YearOver {
                 return Some(Pause::NewYear(day));
-            }
-            if self.flights.len() > MANY {
-                self.prefetch();
             }
         }
     }
