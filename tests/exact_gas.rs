@@ -58,8 +58,7 @@ fn ten_million_elastic_impacts_keep_the_energy_and_leave_no_ball_in_another_or_i
     let (mut overlap, mut escape, mut drift, mut seen) = (0.0_f64, 0.0_f64, 0.0_f64, 0);
     while simulation.tally().impacts < 10_000_000 {
         // Overlaps are deepest at impacts, where no ordinary frame would see them: stop less than 2⁻⁴⁶ s before an
-        // event, and step over it. (Where the stop falls between the two events of one impact, that is shown as much
-        // too early: 10⁻¹¹ px at these speeds.)
+        // event, and step over it.
         simulation.advance_while(1.0, || false).unwrap();
         for _ in 0..2 {
             overlap = overlap.max(max_overlap(&mut grid, simulation.balls()));

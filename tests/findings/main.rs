@@ -12,3 +12,4 @@ mod replay_too_narrow;
 mod sliding_under_strong_gravity;
 mod slow_flight_far_out;
 mod step_in_a_jam;
+mod stopped_at_extreme_speed;

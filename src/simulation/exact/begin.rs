@@ -47,6 +47,7 @@ impl Exact {
             span: first_span(world, balls),
             hits: 0,
             begun: 0,
+            latest: 0.0,
             instant: 0.0,
             at_once: 0,
             unwatched: 0,

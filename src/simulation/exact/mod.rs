@@ -75,6 +75,8 @@ pub(super) struct Exact {
     hits: usize,
     /// Balls of which it is known what comes next: less than all at the very beginning alone.
     begun: usize,
+    /// When the last event was, s since the year began.
+    latest: f64,
     /// When the present run of events at one time, as good as, began, s since the year began.
     instant: f64,
     /// How many events it has had so far.
@@ -242,6 +244,7 @@ impl Exact {
         if flight.event != now {
             return;
         }
+        self.latest = now;
         if flight.impact != now {
             return self.cross::<N>(slot, now);
         }
@@ -284,6 +287,7 @@ impl Exact {
             self.span *= 2.0;
         }
         self.hits = 0;
+        self.latest -= time;
         self.instant -= time;
         self.calendar.begin(self.span);
         for (slot, flight) in self.flights.iter_mut().enumerate() {
@@ -296,7 +300,9 @@ impl Exact {
 
     /// Shows the balls as they are at the clock's time. This evaluates, and never writes back.
     fn show<N: Needs>(&mut self, frame: &mut Frame<'_>) {
-        let now = self.clock.shown_since(self.origin);
+        // Stopped by the caller's watch, the clock may be a little behind what has happened: before it, balls were not on
+        // their flights from there yet, which come out of a wall or another ball.
+        let now = self.clock.shown_since(self.origin).max(self.latest);
         let lean = LEAN * self.chatter_time;
         for (slot, flight) in self.flights.iter().enumerate() {
             let (ball, marks) = (self.ids[slot] as usize, &mut self.marks[slot]);
