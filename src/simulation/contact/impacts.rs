@@ -155,9 +155,10 @@ impl Stage<'_> {
         for place in 0..nearing.len() {
             let at = nearing[place];
             let pair = stripe.pairs[at as usize];
-            let approach =
-                Approach::of(self.setting, &bodies[pair.first as usize], &bodies[pair.second as usize]);
-            stripe.marks[at as usize].set(Marks::CLOSE, approach.closes_in);
+            let (first, second) = (&bodies[pair.first as usize], &bodies[pair.second as usize]);
+            let mark = &mut stripe.marks[at as usize];
+            let approach = Approach::of(self.setting, first, second, mark.has(Marks::HELD));
+            mark.set(Marks::CLOSE, approach.closes_in);
             nearing[found] = at;
             found += usize::from(approach.may_meet);
         }
@@ -238,8 +239,9 @@ impl Stage<'_> {
         let at = spot.at as usize;
         let pair = stripe.pairs[at];
         let (i, j) = (start + pair.first as usize, start + pair.second as usize);
-        let approach = Approach::of(self.setting, &self.bodies[i], &self.bodies[j]);
-        stripe.marks[at].set(Marks::CLOSE, approach.closes_in);
+        let mark = &mut stripe.marks[at];
+        let approach = Approach::of(self.setting, &self.bodies[i], &self.bodies[j], mark.has(Marks::HELD));
+        mark.set(Marks::CLOSE, approach.closes_in);
         if approach.may_meet {
             self.foresee_meeting(spot, stripe, start);
         }

@@ -16,7 +16,7 @@ pub(super) const COINCIDENT: f64 = 1e-150;
 /// How near two balls may come in a substep, by the tangent of their squared distance, which lies above it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Approach {
-    /// Whether they close in, and may touch.
+    /// Whether they close in, fast enough where they press on each other, and may touch.
     pub(super) may_meet: bool,
     /// Whether they touch, or nearly do, or may come to.
     pub(super) closes_in: bool,
@@ -25,13 +25,15 @@ pub(super) struct Approach {
 impl Approach {
     #[inline]
     #[expect(clippy::needless_bitwise_bool, reason = "a branch here cannot be foreseen by a processor")]
-    pub(super) fn of(setting: &Setting, first: &Body, second: &Body) -> Self {
+    pub(super) fn of(setting: &Setting, first: &Body, second: &Body, press: bool) -> Self {
         let offset = first.position - second.position;
         let closing = offset.dot(first.velocity - second.velocity);
         let reach = first.radius + second.radius;
+        let firm = if press { setting.firm * reach } else { 0.0 };
         let reach = reach * reach;
         let least = offset.length_squared() + 2.0 * closing.min(0.0) * setting.substep;
-        Self { may_meet: (least <= reach) & (closing < 0.0), closes_in: least <= reach * CLOSE }
+        let may_meet = (least <= reach) & (closing < 0.0) & (-closing >= firm);
+        Self { may_meet, closes_in: least <= reach * CLOSE }
     }
 }
 
