@@ -60,10 +60,11 @@ pub(super) struct Calendar {
     today: Vec<Entry>,
     /// Those that were written into it after it was opened, and had too many before them.
     late: BinaryHeap<Reverse<Entry>>,
-    /// How many of the open day's events, its latest, have not been [read](Self::read) ahead.
+    /// How many of the open day's events, its latest, have not been [read](Self::read) ahead, but for those that were
+    /// written into it since.
     unread: usize,
     /// Whether there are so many balls that what comes is read ahead, and what is written waits in `pending`.
-    many: bool,
+    pub(super) many: bool,
     /// What has yet to be written into its days.
     pending: Vec<(usize, Entry)>,
 }
@@ -104,15 +105,16 @@ impl Day {
 const MOST_WRITTEN: usize = 6;
 /// So many events of the open day are looked through for the place of one that is written into it.
 const MOST_SOONER: usize = 64;
-/// So many events are read ahead at once where balls are many: what they look at must stay in the nearest cache.
+/// So many events are read ahead at once where balls are many: enough for memory to answer many at a time, and what they
+/// look at, about a kilobyte each, stays in the nearest cache.
 pub(super) const READ_AHEAD: usize = 32;
-/// So many events wait to be written at most.
+/// So many events wait to be written at most: what [`READ_AHEAD`] events write, about.
 const MOST_PENDING: usize = 64;
 /// Moments of a year, of which each may be its end: a power of two.
 pub(super) const MOMENTS: f64 = (1_u64 << 20) as f64;
 
 /// The days of a year for so many balls: one for four of them, so that few events are to be sorted and few days to be
-/// opened, as long as all days stay in the caches; fewer and longer ones where the balls are very many.
+/// opened, as long as the ends of all days stay in the caches; fewer and longer ones where the balls are very many.
 fn days(balls: usize) -> usize {
     (balls / 4).min(2048).max(balls / 256).max(32).next_power_of_two()
 }
@@ -298,40 +300,61 @@ mod tests {
 
     use super::*;
 
+    /// Writes an event down in both.
+    fn write(calendar: &mut Calendar, heap: &mut BinaryHeap<Reverse<Entry>>, time: f64, ball: usize) {
+        let entry = Entry { time, ball: ball as u32 };
+        calendar.write(entry.time, entry.ball);
+        if time < 1.0 {
+            heap.push(Reverse(entry));
+        }
+    }
+
     proptest! {
         #[test]
-        fn events_come_in_their_order_however_they_are_written(
-            times in prop::collection::vec(0.0..1.2_f64, 0..300), more in prop::collection::vec(0.0..0.5_f64, 300),
+        fn events_come_as_from_a_heap_however_they_are_written(
+            times in prop::collection::vec(0.0..1.2_f64, 0..400),
+            more in prop::collection::vec(0.0..0.5_f64, 300),
+            narrow: bool,
             many: bool,
+            until in 0.0..1.0_f64,
         ) {
-            let mut calendar = Calendar::new(times.len());
+            // All in a day or two, so that these are read in several parts, or all over the year.
+            let scale = if narrow { 0.05 } else { 1.0 };
+            let (mut calendar, mut heap) = (Calendar::new(times.len()), BinaryHeap::new());
             calendar.many = many;
             calendar.begin(1.0);
             for (ball, &time) in times.iter().enumerate() {
-                calendar.write(time, ball as u32);
+                write(&mut calendar, &mut heap, scale * time, ball);
             }
-            let (mut taken, mut last) = (Vec::new(), 0.0);
+            let mut taken = 0;
             loop {
                 loop {
                     if calendar.is_unread() {
                         prop_assert!(many);
                         prop_assert!((1..=READ_AHEAD).contains(&calendar.read().len()));
                     }
-                    let Some(entry) = calendar.next(1.0) else { break };
-                    prop_assert!(entry.time >= last);
-                    last = entry.time;
-                    // Each event of the first half brings another one soon, in the open day or a later one.
-                    if taken.len() < more.len() / 2 {
-                        calendar.write(last + more[taken.len()], 1000 + taken.len() as u32);
+                    let Some(entry) = calendar.next(scale * until).or_else(|| calendar.next(1.0)) else { break };
+                    prop_assert_eq!(Some(Reverse(entry)), heap.pop());
+                    taken += 1;
+                    if taken % 7 == 0 {
+                        calendar = calendar.clone();
+                        calendar.put_back(entry);
+                        prop_assert_eq!(calendar.next(1.0), Some(entry));
                     }
-                    taken.push(entry.ball);
+                    // Many bring another one, soon, in the open day or a later one.
+                    if let Some(wait) = more.get(taken) {
+                        write(&mut calendar, &mut heap, entry.time + scale * wait, 1000 + taken);
+                    }
                 }
                 if calendar.open(|_| true) == Dawn::YearOver {
                     break;
                 }
             }
-            for (ball, &time) in times.iter().enumerate() {
-                prop_assert_eq!(taken.contains(&(ball as u32)), time < 1.0);
+            prop_assert_eq!(heap.pop(), None);
+            // Another year begins empty.
+            calendar.begin(2.0);
+            while calendar.open(|_| true) == Dawn::Day {
+                prop_assert_eq!(calendar.next(2.0), None);
             }
         }
     }

@@ -16,6 +16,8 @@ use super::Needs;
 const MOST_IN_ONE_CELL: usize = 16;
 /// The end of a cell's list.
 pub(super) const END: u32 = u32::MAX;
+/// The most cells of one level that an event looks at.
+pub(super) const MOST_HEADS: usize = 9;
 /// The finest cells are at most so many to a ball: an empty world needs no more.
 const CELLS_PER_BALL: f64 = 3.0;
 /// The most columns, and rows.
@@ -304,8 +306,9 @@ impl Cells {
         self.links[ball]
     }
 
-    /// Hands over the first ball, or [`END`], of each cell, at most nine, of a ball's own level that is looked at when the
-    /// ball has gone over the border `crosses`, if it does so, and of those that it goes from and to.
+    /// Hands over the first ball, or [`END`], of each cell of a ball's own level that its next event looks at, at most
+    /// [`MOST_HEADS`] of them: those around it, or, where it crosses a border, the one that it leaves, the one that it
+    /// comes into and those beyond.
     #[inline]
     pub(super) fn heads_near(
         &self,

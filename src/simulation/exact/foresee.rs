@@ -1,13 +1,15 @@
 //! What comes next for a ball: the earliest of its impacts on walls and other balls, and of the borders that it
 //! crosses.
 
+use std::hint::black_box;
+
 use glam::DVec2;
 
 use crate::simulation::flight::{self, NEVER, Pair};
 use crate::simulation::lesser::lesser;
 
 use super::calendar::{Entry, READ_AHEAD};
-use super::cells::{Border, END};
+use super::cells::{Border, END, MOST_HEADS};
 use super::flights::{Against, Marks};
 use super::together::AT_HAND;
 use super::{Exact, Needs};
@@ -51,15 +53,15 @@ impl Ahead {
     }
 }
 
-/// Balls near those of the next events.
+/// Balls near those of the next events: for each of these at most one in each cell.
 struct Slots {
-    slots: [u32; 9 * READ_AHEAD],
+    slots: [u32; MOST_HEADS * READ_AHEAD],
     count: usize,
 }
 
 impl Slots {
     fn new() -> Self {
-        Self { slots: [END; 9 * READ_AHEAD], count: 0 }
+        Self { slots: [END; MOST_HEADS * READ_AHEAD], count: 0 }
     }
 
     /// Adds one, unless it is [`END`]: which of the two no branch could foretell.
@@ -141,11 +143,13 @@ impl Exact {
         self.write_next::<N>(slot, &ahead);
     }
 
-    /// Reads what the next events will look at. Each of them alone would wait for memory, again and again; asked for all
-    /// at once, with nothing between that depends on what comes, memory answers many times as fast.
+    /// Reads nearly all that the next events will look at: their balls, then the cells near these, then who is in them.
+    /// Each event alone would wait for memory at every step; asked for one step of all events at once, memory answers
+    /// many times as fast.
     pub(super) fn read_ahead(&mut self) {
-        let Self { cells: Some(cells), calendar, flights, marks, .. } = self else { return };
+        let Self { cells, calendar, flights, marks, .. } = self;
         let events = calendar.read();
+        let Some(cells) = cells else { return };
         // What is read is good for nothing else, but the compiler must not know.
         let mut read = 0;
         for &Entry { ball, .. } in events {
@@ -156,7 +160,8 @@ impl Exact {
         // Balls at the head of their cells, and those behind them; hardly any is third.
         let mut near = Slots::new();
         for &Entry { time, ball } in events {
-            let (slot, flight) = (ball as usize, &flights[ball as usize]);
+            let slot = ball as usize;
+            let flight = &flights[slot];
             // What no longer holds crosses nothing: it may be bound for a wall.
             let crosses = (flight.event == time && flight.impact != time).then(|| marks[slot].border());
             cells.heads_near(slot, flight.place, crosses, |head| near.push(head));
@@ -169,7 +174,7 @@ impl Exact {
         for slot in second.iter() {
             read ^= flights[slot].event.to_bits() ^ u64::from(cells.behind(slot));
         }
-        std::hint::black_box(read);
+        black_box(read);
     }
 
     /// Whether two balls that fly through each other overlap now.

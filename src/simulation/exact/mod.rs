@@ -366,3 +366,62 @@ impl Advance for Exact {
         Box::new(self.clone())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::simulation::ball::Ball;
+    use crate::simulation::world::Pairs;
+
+    /// Balls and counts after some frames, some of which are cut short by the watch.
+    fn played(world: &World, balls: &[Ball], many: bool) -> (Vec<Ball>, Vec<bool>, Tally) {
+        let mut exact = Exact::new(world, balls, 1.0);
+        exact.calendar.many = many;
+        let (mut balls, mut touching, mut tally) =
+            (balls.to_vec(), vec![false; balls.len()], Tally::default());
+        for looks in 0..30 {
+            let mut left = looks % 5;
+            let mut go_on = || {
+                left -= 1;
+                left != 0
+            };
+            let frame = &mut Frame { world, balls: &mut balls, touching: &mut touching, tally: &mut tally };
+            exact.advance(frame, 0.02, &mut go_on);
+        }
+        (balls, touching, tally)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn reading_ahead_changes_no_bit(
+            kinds in prop::collection::vec((0.0..1.0_f64, -300.0..300.0_f64, -300.0..300.0_f64), 2..300),
+            pull in prop::sample::select(vec![0.0, 0.0, 98.0]),
+            ratio in prop::sample::select(vec![1.0, 3.0, 30.0]),
+            pairs in prop::sample::select(vec![None, Some(Pairs::Detect), Some(Pairs::Impulse)]),
+            walled: bool,
+        ) {
+            let columns = (kinds.len() as f64).sqrt().ceil() as usize;
+            let ball = |(at, &(size, x, y)): (usize, &(f64, f64, f64))| {
+                let place = DVec2::new((at % columns) as f64 + 0.5, (at / columns) as f64 + 0.5) * 12.0;
+                let ball = Ball::new(place, 5.5 * f64::powf(ratio, -size).max(0.2)).unwrap();
+                ball.with_velocity(DVec2::new(x, y)).unwrap()
+            };
+            let balls: Vec<Ball> = kinds.iter().enumerate().map(ball).collect();
+            let mut world = World::new(DVec2::splat(12.0 * columns as f64)).unwrap();
+            if walled {
+                world = world.with_walls(0.9).unwrap();
+            }
+            if pull > 0.0 {
+                world = world.with_gravity(DVec2::new(0.0, pull)).unwrap();
+            }
+            if let Some(pairs) = pairs {
+                world = world.with_pairs(pairs);
+            }
+            prop_assert_eq!(played(&world, &balls, true), played(&world, &balls, false));
+        }
+    }
+}
