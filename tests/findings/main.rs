@@ -9,6 +9,7 @@ mod long_words_of_replays;
 mod many_fills;
 mod more_balls_than_there_may_be;
 mod replay_too_narrow;
+mod settled_between_walls;
 mod sliding_under_strong_gravity;
 mod slow_flight_far_out;
 mod step_in_a_jam;

@@ -95,18 +95,21 @@ impl Group {
         self.contacts.push(Contact { one, against, normal, give, push: 0.0, pushes: false });
     }
 
-    /// Takes the approach from velocities, as impacts without restitution would in the end, and returns how many steps
-    /// it took.
-    pub(super) fn take_approach(&mut self) -> usize {
+    /// Takes the approach from velocities, as impacts without restitution would in the end. Returns how many steps it
+    /// took, and the momentum that walls gave.
+    pub(super) fn take_approach(&mut self) -> (usize, DVec2) {
         let approaches = self.contacts.iter().map(|contact| -contact.parting(&self.velocities));
         let most = approaches.fold(0.0, f64::max);
         let (mut velocities, mut contacts) = (self.velocities.clone(), self.contacts.clone());
         let steps = relieve(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * most);
         // Where no answer was found, not even that they lose energy is sure.
-        if self.energy(&velocities) <= self.energy(&self.velocities) {
-            self.velocities = velocities;
+        let found = self.energy(&velocities) <= self.energy(&self.velocities);
+        if !found {
+            return (steps, DVec2::ZERO);
         }
-        steps
+        self.velocities = velocities;
+        let walls = contacts.iter().filter(|contact| contact.against == Support::Wall);
+        (steps, walls.map(|contact| contact.normal * contact.push).sum())
     }
 
     /// Twice their kinetic energy.

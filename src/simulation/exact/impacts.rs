@@ -158,7 +158,7 @@ impl Exact {
         let long = marks.chatter() == Marks::MOST_CHATTER;
         self.foresee::<N>(slot, now);
         if long {
-            self.settle::<N>(slot, now);
+            self.settle::<N>(tally, slot, now);
         }
     }
 
@@ -238,7 +238,7 @@ impl Exact {
         }
         for slot in [one, other] {
             if self.marks[slot].chatter() == Marks::MOST_CHATTER {
-                self.settle::<N>(slot, now);
+                self.settle::<N>(tally, slot, now);
             }
         }
     }

@@ -10,6 +10,7 @@
 
 use glam::DVec2;
 
+use crate::simulation::Tally;
 use crate::simulation::flight::DEEP;
 
 use super::flights::{Flight, Marks, Matter};
@@ -40,7 +41,7 @@ const NONE: u32 = u32::MAX;
 
 impl Exact {
     /// Stops the group of a ball that has chattered for long, and lays it to rest as far as it is in balance.
-    pub(super) fn settle<N: Needs>(&mut self, slot: usize, now: f64) {
+    pub(super) fn settle<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
         if self.credit < 0 {
             return;
         }
@@ -50,7 +51,8 @@ impl Exact {
             group.members.iter().for_each(|member| self.marks[member.slot].calm_down());
             return;
         }
-        let mut steps = group.take_approach();
+        let (mut steps, given) = group.take_approach();
+        tally.wall_impulse += given;
         if self.gravity != DVec2::ZERO {
             let gravity = self.gravity.length();
             steps += group.balance(gravity);
