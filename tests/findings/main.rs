@@ -8,6 +8,7 @@ mod long_words;
 mod long_words_of_replays;
 mod many_fills;
 mod more_balls_than_there_may_be;
+mod no_answer_in_a_jam;
 mod replay_too_narrow;
 mod settled_between_walls;
 mod sliding_under_strong_gravity;

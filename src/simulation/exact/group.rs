@@ -102,7 +102,7 @@ impl Group {
         let most = approaches.fold(0.0, f64::max);
         let (mut velocities, mut contacts) = (self.velocities.clone(), self.contacts.clone());
         let steps = relieve(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * most);
-        // Where no answer was found, not even that they lose energy is sure.
+        // Where no answer was found, not even that they lose energy is sure, nor that there is one.
         let found = self.energy(&velocities) <= self.energy(&self.velocities);
         if !found {
             return (steps, DVec2::ZERO);
