@@ -29,6 +29,7 @@ impl Approach {
         let offset = first.position - second.position;
         let closing = offset.dot(first.velocity - second.velocity);
         let reach = first.radius + second.radius;
+        // The least that a pair bounces at that presses on each other: a load may ask for more.
         let firm = if press { setting.firm * reach } else { 0.0 };
         let reach = reach * reach;
         let least = offset.length_squared() + 2.0 * closing.min(0.0) * setting.substep;

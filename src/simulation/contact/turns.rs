@@ -3,10 +3,10 @@
 //! First each stripe takes its own, in the order of time. It leaves those of balls that are foreseen to meet one of another
 //! stripe, or that were hit and have pairs there, and those that may come of these. They are taken by twos of stripes that
 //! know the seam between them, first those of every other seam, then of the others; and what these leave, with all that
-//! is asleep, was sent where it is not covered, or is hit without end, by all stripes together. Each turn takes its impacts in the order of
-//! time, too, but after those of the turns before: near an edge a ball that is hit more than once in a substep may be hit
-//! in another order than in time. What it then meets it still meets, from when it was last hit: nothing is passed through,
-//! and no impact gives energy.
+//! is asleep, was sent where it is not covered, or is hit without end, by all stripes together. Each turn takes its
+//! impacts in the order of time, too, but after those of the turns before: near an edge a ball that is hit more than once
+//! in a substep may be hit in another order than in time. What it then meets it still meets, from when it was last hit:
+//! nothing is passed through, and no impact gives energy.
 
 use std::collections::BinaryHeap;
 use std::mem::take;

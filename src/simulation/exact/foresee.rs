@@ -146,6 +146,7 @@ impl Exact {
     /// Reads nearly all that the next events will look at: their balls, then the cells near these, then who is in them.
     /// Each event alone would wait for memory at every step; asked for one step of all events at once, memory answers
     /// many times as fast.
+    #[inline(never)]
     pub(super) fn read_ahead(&mut self) {
         let Self { cells, calendar, flights, marks, .. } = self;
         let events = calendar.read();

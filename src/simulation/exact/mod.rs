@@ -205,11 +205,7 @@ impl Exact {
         go_on: &mut dyn FnMut() -> bool,
     ) -> Option<Pause> {
         loop {
-            loop {
-                if self.calendar.is_unread() {
-                    self.read_ahead();
-                }
-                let Some(entry) = self.calendar.next(until) else { break };
+            while let Some(entry) = self.next_event(until) {
                 if !self.has_time(go_on) {
                     self.calendar.put_back(entry);
                     return Some(Pause::Stopped(entry.time));
@@ -229,6 +225,15 @@ impl Exact {
                 return Some(Pause::NewYear(day));
             }
         }
+    }
+
+    /// The next event of the open day, where it is not later than `until`.
+    #[inline]
+    fn next_event(&mut self, until: f64) -> Option<Entry> {
+        if self.calendar.is_unread() {
+            self.read_ahead();
+        }
+        self.calendar.next(until)
     }
 
     /// Takes one event, if it still holds.
