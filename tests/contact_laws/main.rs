@@ -470,6 +470,28 @@ fn gravity_however_strong_gives_no_energy() {
     }
 }
 
+/// They lay in each other, and rattled for ever: what light ones pass on from one heavy ball to another is found in steps of
+/// their own mass.
+#[test]
+fn light_balls_between_heavy_ones_come_to_rest_beside_them() {
+    for ratio in [1e2, 1e3, 1e4, 1e6] {
+        let fill = |mass: f64, seed: u32| {
+            format!("[[fill]]\ncount = 150\nradius = 5\nmass = {mass}\nrestitution = 0.7\nseed = {seed}\n")
+        };
+        let text = format!(
+            "solver = \"contact\"\nsize = [324, 182]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n{}{}",
+            fill(1.0, 1),
+            fill(ratio, 1001)
+        );
+        let mut pile = Scene::parse("mixed", &text).unwrap().build().unwrap();
+        let at_rest = (0..1800).any(|_| {
+            pile.advance(FRAME).is_ok() && pile.balls().iter().all(|ball| ball.velocity() == DVec2::ZERO)
+        });
+        assert!(at_rest, "{ratio}: {} px/s after {} s", fastest(&pile), pile.time());
+        assert!(overlap(&pile) < 0.05, "{ratio}: {}", overlap(&pile));
+    }
+}
+
 /// A pile of balls of radius 6 to 12 whose masses, whatever their sizes, span four powers of ten.
 fn mixed_pile(seed: u64) -> Simulation {
     let mut random = numbers::random(seed);

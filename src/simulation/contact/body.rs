@@ -14,7 +14,7 @@ pub(super) struct Body {
     pub(super) velocity: DVec2,
     /// What that would be without the forces that hold it in this substep.
     pub(super) free: DVec2,
-    /// 0 where nothing moves it.
+    /// What it counts with where it is held (`weights`); 0 where nothing moves it.
     pub(super) inverse_mass: f64,
     pub(super) radius: f64,
 }

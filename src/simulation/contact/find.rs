@@ -115,8 +115,9 @@ impl Near {
             self.find_pairs(bodies.len(), setting, team);
             self.take_pairs(bodies, cargo.rests, setting, team);
             self.found = self.pair_count();
+            self.weigh_balls(cargo.bodies, cargo.rests, setting);
         }
-        self.crowd = self.are_crowd(bodies);
+        self.crowd = self.are_crowd(cargo.bodies);
     }
 
     /// Takes over another layout, and keeps what holds balls, which now have these `places`, or still those that they had.

@@ -318,8 +318,8 @@ impl Stage<'_> {
                 let beside = stripes.list[spot.stripe as usize].beside[spot.at as usize];
                 let body = stripes.layout.start(spot.stripe as usize) + beside.body as usize;
                 let since = self.fates[body].time;
-                let Some(met) = meet_walls(self.setting, &mut self.bodies[body], &beside, since, self.tally)
-                else {
+                let ball = (&mut self.bodies[body], self.rests[body].in_impacts());
+                let Some(met) = meet_walls(self.setting, ball, &beside, since, self.tally) else {
                     return [None; 2];
                 };
                 self.fates[body].shift.raise(Shift::Some, met.shifts);
@@ -331,7 +331,8 @@ impl Stage<'_> {
                 if self.limits.ended {
                     return [None; 2];
                 }
-                bounce_off(self.setting, &mut self.bodies[body], usize::from(axis), event.time, self.tally);
+                let ball = (&mut self.bodies[body], self.rests[body].in_impacts());
+                bounce_off(self.setting, ball, usize::from(axis), event.time, self.tally);
                 self.note(body, event.time);
                 [Some(body), None]
             }

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::events::Spot;
 use super::impacts::Stage;
-use super::sleep::wake_by_hit;
+use super::sleep::{Rest, wake_by_hit};
 use super::stripes::Stripes;
 use super::{Body, Setting};
 
@@ -99,8 +99,8 @@ impl Meeting {
 
     /// Gives both their impulse.
     #[inline]
-    fn exchange(&self, bodies: &mut [Body], (first, second): (usize, usize), e: f64) {
-        let (one, other) = (bodies[first].inverse_mass, bodies[second].inverse_mass);
+    fn exchange(&self, bodies: &mut [Body], rests: &[Rest], (first, second): (usize, usize), e: f64) {
+        let (one, other) = (rests[first].in_impacts(), rests[second].in_impacts());
         let change = self.offset * ((1.0 + e) * self.speed / ((one + other) * self.length));
         strike(&mut bodies[first], change * one, self.time);
         strike(&mut bodies[second], -change * other, self.time);
@@ -120,7 +120,7 @@ pub(super) fn exchange(
             wake_by_hit(body, stage.setting.kick, stage.bodies, stage.rests, stripes);
         }
     }
-    meeting.exchange(stage.bodies, (i, j), stage.restitutions[i].min(stage.restitutions[j]));
+    meeting.exchange(stage.bodies, stage.rests, (i, j), stage.restitutions[i].min(stage.restitutions[j]));
     stripes.list[spot.stripe as usize].note_met(spot.at as usize, meeting.time > 0.0);
     stage.tally.impacts += u64::from(meeting.speed > stage.setting.rest_speed);
     (stage.hit[i], stage.hit[j]) = (true, true);

@@ -41,6 +41,7 @@ mod together;
 mod turns;
 mod wall_support;
 mod walls;
+mod weights;
 
 use glam::DVec2;
 

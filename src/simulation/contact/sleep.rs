@@ -39,7 +39,9 @@ const LOST: f64 = 0.1;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rest {
     pub(super) asleep: bool,
-    /// Its inverse mass when it is awake: 0 where nothing moves it.
+    /// Its own inverse mass: 0 where nothing moves it.
+    pub(super) own: f64,
+    /// That with which it counts where it is held, when it is awake (`weights`).
     pub(super) inverse_mass: f64,
     /// Where it was when its rest was last looked at.
     anchor: DVec2,
@@ -53,8 +55,15 @@ pub(super) struct Rest {
 
 impl Rest {
     pub(super) fn new(body: &Body) -> Self {
-        let (inverse_mass, place) = (body.inverse_mass, body.position);
-        Self { asleep: false, inverse_mass, anchor: place, swung: false, last: (place, false), restless: 0 }
+        let (own, place) = (body.inverse_mass, body.position);
+        let last = (place, false);
+        Self { asleep: false, own, inverse_mass: own, anchor: place, swung: false, last, restless: 0 }
+    }
+
+    /// The inverse mass with which it takes impacts: 0 where it stands still whatever hits it.
+    #[inline]
+    pub(super) fn in_impacts(&self) -> f64 {
+        if self.asleep { 0.0 } else { self.own }
     }
 }
 

@@ -88,9 +88,10 @@ impl Stage<'_> {
         let mut bodies = Vec::new();
         for (&body, place) in &mut places {
             *place = bodies.len();
+            let inverse_mass = self.rests[body].in_impacts();
             let body = &self.bodies[body];
             let velocity = body.velocity + body.change(self.setting.kick) * since_middle;
-            bodies.push(simultaneous::Body { velocity, inverse_mass: body.inverse_mass });
+            bodies.push(simultaneous::Body { velocity, inverse_mass });
         }
         let contact = |Meets { bodies: (first, second), meeting, .. }: &Meets| simultaneous::Contact {
             first: places[first],

@@ -38,10 +38,10 @@ pub(super) struct Met {
     pub(super) shifts: bool,
 }
 
-/// Bounces a ball off the walls that it meets in this substep after `since`, when it was last hit.
+/// Bounces a ball of this inverse mass off the walls that it meets in this substep after `since`, when it was last hit.
 pub(super) fn meet_walls(
     setting: &Setting,
-    body: &mut Body,
+    (body, own): (&mut Body, f64),
     beside: &Beside,
     since: f64,
     tally: &mut Tally,
@@ -62,7 +62,7 @@ pub(super) fn meet_walls(
         if landed.fastest > setting.rest_speed {
             tally.wall_hits += u64::from(landed.bounces);
         }
-        tally.wall_impulse[axis] += side * landed.impulse / body.inverse_mass;
+        tally.wall_impulse[axis] += side * landed.impulse / own;
         let before = met.unwrap_or(Met { time: 0.0, shifts: false });
         met = Some(Met {
             time: before.time.max(since + landed.time),
@@ -135,8 +135,14 @@ pub(super) fn first_wall(setting: &Setting, body: &Body, since: f64) -> Option<(
     first
 }
 
-/// One bounce of a fast ball on a wall across `axis`, at `time`.
-pub(super) fn bounce_off(setting: &Setting, body: &mut Body, axis: usize, time: f64, tally: &mut Tally) {
+/// One bounce of a fast ball of this inverse mass on a wall across `axis`, at `time`.
+pub(super) fn bounce_off(
+    setting: &Setting,
+    (body, own): (&mut Body, f64),
+    axis: usize,
+    time: f64,
+    tally: &mut Tally,
+) {
     let e = setting.walls.unwrap_or_default();
     let bent = body.velocity[axis] + setting.kick[axis] * (time / setting.substep - 0.5);
     // Along this axis it may be slow: never turned round by gravity alone.
@@ -145,7 +151,7 @@ pub(super) fn bounce_off(setting: &Setting, body: &mut Body, axis: usize, time: 
     change[axis] = -body.velocity[axis] - e * speed;
     strike(body, change, time);
     tally.wall_hits += 1;
-    tally.wall_impulse += change / body.inverse_mass;
+    tally.wall_impulse += change / own;
 }
 
 /// A ball above a wall, along one axis; up is away from the wall.
