@@ -1,4 +1,4 @@
-//! What the contact solver costs, and what it keeps: `cargo bench --bench contact -- [gas|pile|rest|demo|heavy|column|threads] [N]`.
+//! What the contact solver costs, and what it keeps: `cargo bench --bench contact -- [gas|pile|rest|mixed|demo|heavy|column|threads] [N]`.
 //! With `--features parallel` the last compares numbers of threads.
 
 use std::time::Instant;
@@ -30,6 +30,15 @@ fn main() {
     if wanted("rest") {
         for count in counts(&[2000, 10_000]) {
             (1..=8).for_each(|seed| rest(count, seed));
+        }
+    }
+    if wanted("mixed") {
+        for count in counts(&[300]) {
+            for ratio in [1e2, 1e3, 1e4, 1e6] {
+                mixed(&format!("{ratio} : 1"), 8, |seed| mixed_scene(count, &[1.0, ratio], "5", seed));
+            }
+            let decades: Vec<f64> = (-4..=4).map(|decade| 10_f64.powi(decade)).collect();
+            mixed("eight powers of ten", 120, |seed| mixed_scene(count, &decades, "[3, 12]", seed));
         }
     }
     if wanted("threads") {
@@ -164,6 +173,51 @@ fn rest(count: usize, seed: u64) {
         "rest {count}, seed {seed}: {fastest:.3} px/s after {:.1} s, {:.0} ns a ball and frame; overlap {mean:.4} {most:.4}",
         simulation.time(),
         ns / f64::from(frames)
+    );
+}
+
+/// As many balls of each of these masses, whatever their sizes.
+fn mixed_scene(count: usize, masses: &[f64], radius: &str, seed: usize) -> Scene {
+    let (width, height) = if masses.len() > 2 { (640, 480) } else { (324, 182) };
+    let mut text = format!(
+        "solver = \"contact\"\nsize = [{width}, {height}]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n"
+    );
+    for (place, mass) in masses.iter().enumerate() {
+        let (count, seed) = (count / masses.len(), seed + 1000 * place);
+        text += &format!(
+            "[[fill]]\ncount = {count}\nradius = {radius}\nmass = {mass}\nrestitution = 0.7\nseed = {seed}\n"
+        );
+    }
+    Scene::parse("mixed", &text).unwrap()
+}
+
+/// How many of some piles come to rest within 20 s, how deep balls lie in each other then at most, and how much energy comes
+/// back at most, as a part of that at the start.
+fn mixed(name: &str, seeds: usize, scene: impl Fn(usize) -> Scene) {
+    let (mut rested, mut deepest, mut back) = (0, 0.0_f64, Vec::new());
+    for seed in 1..=seeds {
+        let mut simulation = scene(seed).build().unwrap();
+        let start = energy(&simulation);
+        let (mut least, mut most) = (start, 0.0_f64);
+        for _ in 0..1200 {
+            simulation.advance(FRAME).unwrap();
+            let now = energy(&simulation);
+            most = most.max((now - least) / start);
+            least = least.min(now);
+            if fastest(&simulation) == 0.0 {
+                rested += 1;
+                break;
+            }
+        }
+        deepest = deepest.max(quality(&simulation).1);
+        back.push(most);
+    }
+    back.sort_by(f64::total_cmp);
+    println!(
+        "masses {name}: {rested} of {seeds} at rest within 20 s, overlap up to {deepest:.3} of a radius, energy that came back: \
+         {:.1e} in the middle, {:.1e} at most",
+        back[seeds / 2],
+        back[seeds - 1]
     );
 }
 

@@ -16,7 +16,7 @@ use super::{Body, DVec2, Setting};
 const HEAVIER: f64 = 4.0;
 /// Balls that pass each other faster than so many kicks of gravity are no reason to count as heavier: they meet in impacts,
 /// and what is left of them would strike like a heavy ball.
-const PASSING: f64 = 16.0;
+const PASSING: f64 = 32.0;
 
 impl Near {
     /// Finds what balls weigh where they are held, from the pairs that a search has found, and keeps what holds them.
