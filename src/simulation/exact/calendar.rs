@@ -18,6 +18,17 @@ pub(super) struct Entry {
     pub ball: u32,
 }
 
+impl Entry {
+    /// A number in the order of entries.
+    #[inline]
+    fn key(&self) -> u128 {
+        // The order of `f64::total_cmp`: bits in their order above zero, from the highest down below it.
+        let bits = self.time.to_bits();
+        let below_zero = (bits.cast_signed() >> 63).cast_unsigned();
+        u128::from(bits ^ (below_zero | 1 << 63)) << 32 | u128::from(self.ball)
+    }
+}
+
 impl Eq for Entry {}
 
 impl PartialOrd for Entry {
@@ -28,7 +39,7 @@ impl PartialOrd for Entry {
 
 impl Ord for Entry {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.time.total_cmp(&other.time).then(self.ball.cmp(&other.ball))
+        self.key().cmp(&other.key())
     }
 }
 
@@ -110,6 +121,8 @@ const MOST_SOONER: usize = 64;
 pub(super) const READ_AHEAD: usize = 32;
 /// So many events wait to be written at most: what [`READ_AHEAD`] events write, about.
 const MOST_PENDING: usize = 64;
+/// So few events of a day are ranked; more are sorted, which goes by guesses only for as few as these.
+const FEW: usize = 20;
 /// Moments of a year, of which each may be its end: a power of two.
 pub(super) const MOMENTS: f64 = (1_u64 << 20) as f64;
 
@@ -117,6 +130,20 @@ pub(super) const MOMENTS: f64 = (1_u64 << 20) as f64;
 /// opened, as long as the ends of all days stay in the caches; fewer and longer ones where the balls are very many.
 fn days(balls: usize) -> usize {
     (balls / 4).min(2048).max(balls / 256).max(32).next_power_of_two()
+}
+
+/// Writes `entries` into `ranked`, the latest first. Each goes where as many are before it as are later than it: to compare
+/// all of a few with each other costs less than the guesses at which comes first that a sort makes, half of them wrong.
+fn rank(entries: &[Entry], ranked: &mut [Entry]) {
+    let mut keys = [0; FEW];
+    for (key, entry) in keys.iter_mut().zip(entries) {
+        *key = entry.key();
+    }
+    let keys = &keys[..entries.len()];
+    for (entry, own) in entries.iter().zip(keys) {
+        let later: usize = keys.iter().map(|key| usize::from(key > own)).sum();
+        ranked[later] = *entry;
+    }
 }
 
 impl Calendar {
@@ -247,19 +274,23 @@ impl Calendar {
         if self.opened == self.beyond() {
             return Dawn::YearOver;
         }
-        let Day { room, count } = &self.days[self.opened];
-        self.today.clear();
-        self.today.extend_from_slice(&room[..*count]);
+        let Day { room, count } = &mut self.days[self.opened];
         self.opened += 1;
         // As `retain` does, but without a branch for each, which would be a toss.
         let mut kept = 0;
-        for index in 0..self.today.len() {
-            let entry = self.today[index];
-            self.today[kept] = entry;
+        for index in 0..*count {
+            let entry = room[index];
+            room[kept] = entry;
             kept += usize::from(holds(&entry));
         }
-        self.today.truncate(kept);
-        self.today.sort_unstable_by(|a, b| b.cmp(a));
+        let entries = &mut room[..kept];
+        self.today.clear();
+        self.today.extend_from_slice(entries);
+        if kept <= FEW {
+            rank(entries, &mut self.today);
+        } else {
+            self.today.sort_unstable_by(|a, b| b.cmp(a));
+        }
         self.unread = if self.many { kept } else { 0 };
         Dawn::Day
     }
@@ -310,6 +341,13 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn entries_stand_in_their_order_in_time_and_then_by_balls(one: f64, other: f64, balls: [u32; 2], alike: bool) {
+            let times = [one, if alike { one } else { other }];
+            let [first, second] = [0, 1].map(|i| Entry { time: times[i], ball: balls[i] });
+            prop_assert_eq!(first.cmp(&second), times[0].total_cmp(&times[1]).then(balls[0].cmp(&balls[1])));
+        }
+
         #[test]
         fn events_come_as_from_a_heap_however_they_are_written(
             times in prop::collection::vec(0.0..1.2_f64, 0..400),
