@@ -191,8 +191,8 @@ fn mixed_scene(count: usize, masses: &[f64], radius: &str, seed: usize) -> Scene
     Scene::parse("mixed", &text).unwrap()
 }
 
-/// How many of some piles come to rest within 20 s, how deep balls lie in each other then at most, and how much energy comes
-/// back at most, as a part of that at the start.
+/// How many of some piles come to rest within 20 s, how deep balls lie in each other at most at the end, at rest or not, and
+/// how much energy comes back at most, as a part of that at the start.
 fn mixed(name: &str, seeds: usize, scene: impl Fn(usize) -> Scene) {
     let (mut rested, mut deepest, mut back) = (0, 0.0_f64, Vec::new());
     for seed in 1..=seeds {

@@ -12,6 +12,7 @@ use super::layout::{Layer, Layout};
 use super::sleep::Rest;
 use super::stripes::{NOWHERE, Stripe, Stripes, clear_all};
 use super::team::Team;
+use super::weights::Weights;
 use super::{Body, Setting};
 
 /// A ball may go so much of its radius, whatever its speed, before pairs are searched anew.
@@ -61,6 +62,7 @@ pub(super) struct Near {
     pub(super) cells: Option<Cells>,
     /// Whether the axes of `discs` are swapped, so that rows of cells are columns of the world.
     pub(super) turned: bool,
+    pub(super) weights: Weights,
     /// The root mean square of all speeds at the search, px/s.
     rms_speed: f64,
     searches: u32,
@@ -115,7 +117,6 @@ impl Near {
             self.find_pairs(bodies.len(), setting, team);
             self.take_pairs(bodies, cargo.rests, setting, team);
             self.found = self.pair_count();
-            self.weigh_balls(cargo.bodies, cargo.rests, setting);
         }
         self.crowd = self.are_crowd(cargo.bodies);
     }
@@ -226,7 +227,7 @@ impl Near {
                 let radius = body.radius + home.reach;
                 *disc = Covered { centre, radius };
                 let clear = setting.walls.is_none() || is_clear(home.position, radius, setting.size);
-                if !clear && rests[own].inverse_mass > 0.0 {
+                if !clear && rests[own].counted > 0.0 {
                     stripe[0].add_beside(own as u32, pushed(layout.start(number) + own));
                 }
             }
@@ -321,7 +322,7 @@ impl Near {
     fn take_pairs(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting, team: &Team) {
         let Self { layout, stripes, gathered, crossing, .. } = self;
         let (layout, gathered) = (*layout, &*gathered);
-        let any_fixed = rests.iter().any(|rest| rest.inverse_mass == 0.0);
+        let any_fixed = rests.iter().any(|rest| rest.counted == 0.0);
         team.each(stripes.iter_mut().enumerate(), |(number, stripe)| {
             let start = layout.start(number).min(bodies.len());
             let bodies = &bodies[start..start + layout.count(number, bodies.len())];
@@ -333,7 +334,7 @@ impl Near {
                 }
             }
             if any_fixed {
-                let fixed = |at: u32| rests[start + at as usize].inverse_mass == 0.0;
+                let fixed = |at: u32| rests[start + at as usize].counted == 0.0;
                 pairs.retain(|pair| !(fixed(pair.first) && fixed(pair.second)));
             }
             if setting.kick != DVec2::ZERO && !pairs.is_empty() {

@@ -55,7 +55,7 @@ impl Resting<'_> {
     /// Finds which of the balls that stand still rest.
     pub(super) fn loads(&self, still: &[bool]) -> Loads {
         let Self { setting, bodies, rests, .. } = self;
-        let fixed = |at: usize| rests[at].inverse_mass == 0.0;
+        let fixed = |at: usize| rests[at].counted == 0.0;
         // What moves each, in a substep, if nothing more is done, mass·px/s.
         let mut start = vec![DVec2::ZERO; bodies.len()];
         let mut loads = Loads { bears: vec![true; bodies.len()], by_balls: Vec::new(), by_walls: Vec::new() };
@@ -68,11 +68,11 @@ impl Resting<'_> {
                 loads.bears[at] = false;
                 continue;
             }
-            let given = self.stripes.given(at, rests[at].inverse_mass);
+            let given = self.stripes.given(at, rests[at].counted);
             let moves = given.velocity + setting.kick;
             let free = DVec2::select(grounded, DVec2::ZERO, self.off_walls(at, moves));
             if free.length() >= EVEN * (setting.kick.length() + given.pressed) {
-                start[at] = moves / rests[at].inverse_mass;
+                start[at] = moves / rests[at].counted;
             }
         }
         if start.iter().all(|&start| start == DVec2::ZERO) {
@@ -130,7 +130,7 @@ impl Resting<'_> {
                 break;
             }
         }
-        let inverse_mass = rests[at].inverse_mass;
+        let inverse_mass = rests[at].counted;
         let passed: f64 = below.iter().map(|passed| passed.impulse).sum();
         let pressed = stripes.given(at, inverse_mass).pressed + (passed + by_walls.length()) * inverse_mass;
         loads.bears[at] = moves.length() * inverse_mass < EVEN * (setting.kick.length() + pressed);

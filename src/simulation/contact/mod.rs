@@ -3,7 +3,7 @@
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `holds`,
-//!    `order`; of single balls `cover`);
+//!    `order`; of single balls `cover`), and what balls weigh where they are held, where masses differ (`weights`);
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `events`, `impacts`, `meeting`, `together`,
 //!    `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
@@ -186,6 +186,7 @@ impl Contact {
         self.find();
         self.impacts(tally);
         if self.setting.can_rest {
+            self.slow_counted();
             self.support();
             self.sweep(&[
                 Pass::CARRY,
@@ -239,14 +240,29 @@ impl Contact {
     /// Looks for pairs anew where what was found no longer covers this substep.
     #[inline]
     fn find(&mut self) {
-        let Self { setting, bodies, restitutions, ids, rests, near, team, pairs, hit, before, .. } = self;
-        if let Some(near) = near
-            && !near.keep_up(bodies, setting, team)
-        {
+        let Self {
+            setting,
+            bodies,
+            restitutions,
+            ids,
+            rests,
+            near: Some(near),
+            team,
+            pairs,
+            hit,
+            before,
+            ..
+        } = self
+        else {
+            return;
+        };
+        let searched = !near.keep_up(bodies, setting, team);
+        if searched {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
-            if setting.can_rest && setting.kick != DVec2::ZERO {
-                self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
-            }
+        }
+        let rests = setting.can_rest && setting.kick != DVec2::ZERO;
+        if (self.weigh_balls(searched) || searched) && rests {
+            self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
         }
     }
 

@@ -41,8 +41,8 @@ pub(super) struct Rest {
     pub(super) asleep: bool,
     /// Its own inverse mass: 0 where nothing moves it.
     pub(super) own: f64,
-    /// That with which it counts where it is held, when it is awake (`weights`).
-    pub(super) inverse_mass: f64,
+    /// The inverse mass with which it counts where it is held, or did when it fell asleep (`weights`).
+    pub(super) counted: f64,
     /// Where it was when its rest was last looked at.
     anchor: DVec2,
     /// Whether it was elsewhere in the meantime.
@@ -57,7 +57,7 @@ impl Rest {
     pub(super) fn new(body: &Body) -> Self {
         let (own, place) = (body.inverse_mass, body.position);
         let last = (place, false);
-        Self { asleep: false, own, inverse_mass: own, anchor: place, swung: false, last, restless: 0 }
+        Self { asleep: false, own, counted: own, anchor: place, swung: false, last, restless: 0 }
     }
 
     /// The inverse mass with which it takes impacts: 0 where it stands still whatever hits it.
@@ -123,7 +123,7 @@ impl Contact {
         let loads = Resting { setting, bodies, rests, held, stripes: near.all() }.loads(&still);
         for (at, (body, rest)) in bodies.iter_mut().zip(&mut *rests).enumerate() {
             (rest.anchor, rest.swung) = (body.position, false);
-            if rest.asleep || rest.inverse_mass == 0.0 {
+            if rest.asleep || rest.counted == 0.0 {
                 continue;
             }
             rest.restless += 1;
@@ -136,7 +136,7 @@ impl Contact {
         near.weigh_all(bodies);
         near.take_loads(&loads, rests);
         self.wake_around_restless();
-        self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.inverse_mass == 0.0);
+        self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.counted == 0.0);
     }
 
     /// Wakes a ball that is moved from outside.
@@ -147,7 +147,7 @@ impl Contact {
             && rests[at].asleep
         {
             near.link_pairs(bodies.len());
-            let given = near.all().given(at, rests[at].inverse_mass);
+            let given = near.all().given(at, rests[at].counted);
             wake(at, &given, setting.kick, bodies, rests, &mut near.all());
         }
         self.wake_unbalanced();
@@ -177,7 +177,7 @@ impl Contact {
             rests[at].restless = 0;
             for other in stripes.holders(at).map(|holder| holder.other).collect::<Vec<_>>() {
                 if rests[other].asleep {
-                    let given = stripes.given(other, rests[other].inverse_mass);
+                    let given = stripes.given(other, rests[other].counted);
                     wake_after_substep(other, &given, setting.kick, bodies, rests, stripes);
                 }
             }
@@ -202,9 +202,9 @@ impl Contact {
                     if !rests[at].asleep {
                         continue;
                     }
-                    let given = stripes.given(at, rests[at].inverse_mass);
+                    let given = stripes.given(at, rests[at].counted);
                     // What lost a support moves, however hard the others press.
-                    let lost_much = lost * rests[at].inverse_mass > LOST * kick.length();
+                    let lost_much = lost * rests[at].counted > LOST * kick.length();
                     let pressed = if lost_much { 0.0 } else { given.pressed };
                     let tolerance = WEIGHT * kick.length() + PRESS * pressed;
                     if (given.velocity + kick).length_squared() > tolerance * tolerance {
@@ -240,7 +240,7 @@ fn wake(
 ) -> DVec2 {
     let rest = &mut rests[at];
     (rest.asleep, rest.anchor) = (false, bodies[at].position);
-    bodies[at].inverse_mass = rest.inverse_mass;
+    bodies[at].inverse_mass = rest.counted;
     stripes.weigh_pairs_of(at, bodies);
     let (moves, pressed) = ((given.velocity + kick).length(), given.pressed);
     if moves < THROWN * kick.length() && pressed < SQUEEZED * kick.length() {
@@ -259,7 +259,7 @@ pub(super) fn wake_by_hit(
     rests: &mut [Rest],
     stripes: &mut Stripes<'_>,
 ) {
-    let given = stripes.given(at, rests[at].inverse_mass);
+    let given = stripes.given(at, rests[at].counted);
     let held = wake(at, &given, kick, bodies, rests, stripes);
     bodies[at].free = kick;
     bodies[at].velocity = kick + held;

@@ -1,56 +1,138 @@
 //! What balls weigh where they are held.
 //!
-//! What a light ball passes on from one heavy ball to another is found in steps of its own mass: where it weighs a
-//! thousandth of them, that would take thousands of sweeps, and they would meet in it meanwhile. So it counts as no lighter
-//! than a part of any ball near it. It does so for all that hold it, not for each pair alike: action and reaction stay equal,
-//! and what comes of it is what balls of these weights would do. Impacts know what each really weighs.
+//! What a light ball below a heavy one passes on is found in steps of its own mass: where it weighs a thousandth of it, that
+//! would take thousands of sweeps, and they would meet in it meanwhile. So a ball counts as no lighter than a part of any
+//! ball above it. Not of one below: what lies on a heavy ball is all that moves it then, and would push it aside. Each counts
+//! so for all that hold it, not for each pair alike: what comes of it is what balls of these weights would do, which takes
+//! energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
-use super::super::lesser::lesser;
 use super::find::Near;
 use super::holds::Hold;
+use super::meeting::strike;
 use super::sleep::Rest;
-use super::{Body, DVec2, Setting};
+use super::{Body, Contact, DVec2, Setting};
 
-/// No ball counts as less than the fourth part as dense as one near it, or as heavy where that is less. With a tenth, light
-/// balls are squeezed twice as deep; with a half, more of what lies around a heavy ball counts as heavy, too, and holds it up.
+/// No ball counts as less than the fourth part as dense as one above it, or as heavy where that is less. With a tenth, light
+/// balls are squeezed twice as deep.
 const HEAVIER: f64 = 4.0;
-/// Balls that pass each other faster than so many kicks of gravity are no reason to count as heavier: they meet in impacts,
-/// and what is left of them would strike like a heavy ball.
-const PASSING: f64 = 32.0;
+/// Balls are weighed anew after so many substeps, and where pairs were searched.
+const PERIOD: u64 = 8;
+/// What is around a ball is no farther from it than this part of what they have between them when they touch.
+const AROUND: f64 = 1.1;
 
-impl Near {
-    /// Finds what balls weigh where they are held, from the pairs that a search has found, and keeps what holds them.
-    pub(super) fn weigh_balls(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) {
-        // Without gravity nothing presses.
-        if setting.kick == DVec2::ZERO || !are_unequal(bodies, rests) {
+/// Which balls weigh what.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Weights {
+    /// Whether some may count as heavier than they are: there is gravity, and not all are of one material or mass.
+    pub(super) differ: bool,
+    /// What they counted with before, and what they count with.
+    before: Vec<f64>,
+    counted: Vec<f64>,
+    /// Pairs in which the first may make the second heavier.
+    loads: Vec<(u32, u32)>,
+}
+
+impl Contact {
+    /// Finds what balls weigh where they are held, where pairs were searched or that was long ago. Whether any weighs
+    /// something else than before.
+    pub(super) fn weigh_balls(&mut self, searched: bool) -> bool {
+        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return false };
+        if searched {
+            // Without gravity nothing presses.
+            near.weights.differ = setting.kick != DVec2::ZERO && are_unequal(bodies, rests);
+        } else if !self.steps.is_multiple_of(PERIOD) {
+            return false;
+        }
+        near.weights.differ && near.weigh(bodies, rests, setting)
+    }
+
+    /// Slows down what counts as heavier than it is and is faster than one that falls as far as it is wide: held as that, it
+    /// would strike with more energy than it has. Relative to what is around it, it keeps what it has.
+    pub(super) fn slow_counted(&mut self) {
+        let Self { setting, bodies, rests, near: Some(near), course, .. } = self else { return };
+        if !near.weights.differ {
             return;
         }
-        let before: Vec<f64> = rests.iter().map(|rest| rest.inverse_mass).collect();
-        // Sleepers rest on what they weighed when they fell asleep.
-        for rest in rests.iter_mut().filter(|rest| !rest.asleep) {
-            rest.inverse_mass = rest.own;
+        let is_fast = |(body, rest): (&Body, &Rest)| {
+            body.inverse_mass < rest.in_impacts()
+                && body.velocity.length_squared() > fall(setting, 2.0 * body.radius)
+        };
+        let fast: Vec<bool> = bodies.iter().zip(&*rests).map(is_fast).collect();
+        if !fast.contains(&true) {
+            return;
         }
-        let most = PASSING * setting.kick.length();
-        let passes =
-            |i: usize, j: usize| bodies[i].velocity.distance_squared(bodies[j].velocity) > most * most;
-        let near: Vec<_> = self.pairs().filter(|&(i, j)| !passes(i, j)).collect();
-        let mut any = true;
-        while any {
-            any = false;
-            for &(i, j) in &near {
-                any |= make_heavier(bodies, rests, i, j) || make_heavier(bodies, rests, j, i);
+        // Momentum and mass.
+        let mut around = vec![(DVec2::ZERO, 0.0_f64); bodies.len()];
+        for (i, j) in near.pairs() {
+            for (one, other) in [(i, j), (j, i)].into_iter().filter(|&(one, _)| fast[one]) {
+                let (ball, its) = (&bodies[one], &bodies[other]);
+                let reach = AROUND * (ball.radius + its.radius);
+                if ball.position.distance_squared(its.position) < reach * reach {
+                    // What nothing moves is as heavy as what made this one heavier.
+                    let mass = rests[other].in_impacts().max(ball.inverse_mass / HEAVIER).recip();
+                    around[one] = (around[one].0 + its.velocity * mass, around[one].1 + mass);
+                }
             }
         }
-        for (body, rest) in bodies.iter_mut().zip(&*rests).filter(|(_, rest)| !rest.asleep) {
-            body.inverse_mass = rest.inverse_mass;
+        for (at, (momentum, mass)) in around.into_iter().enumerate().filter(|(_, (_, mass))| *mass > 0.0) {
+            let (body, own) = (&mut bodies[at], rests[at].own);
+            let common = (momentum + body.velocity / own) / (mass + own.recip());
+            let change = (common - body.velocity) * (1.0 - (body.inverse_mass / own).sqrt());
+            // The others may be as light, and faster.
+            if (body.velocity + change).length_squared() < body.velocity.length_squared() {
+                strike(body, change, course.fates[at].time);
+            }
         }
+    }
+}
+
+impl Near {
+    /// Finds what balls weigh where they are held, and keeps what holds them. Whether any weighs something else than before.
+    fn weigh(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) -> bool {
+        let mut weights = std::mem::take(&mut self.weights);
+        let Weights { before, counted, loads, .. } = &mut weights;
+        before.clear();
+        before.extend(bodies.iter().map(|body| body.inverse_mass));
+        counted.clear();
+        counted.extend(rests.iter().map(|rest| rest.own));
+        loads.clear();
+        loads.extend(self.pairs().filter_map(|(i, j)| load(bodies, setting, i, j)));
+        // Mostly from above: what passes weight on has it already then.
+        while loads.iter().rev().fold(false, |any, &(upper, lower)| {
+            make_heavier(bodies, counted, upper as usize, lower as usize) || any
+        }) {}
+        // Sleepers rest on what they weighed when they fell asleep.
+        for ((body, rest), &counted) in
+            bodies.iter_mut().zip(rests).zip(&*counted).filter(|((_, rest), _)| !rest.asleep)
+        {
+            (body.inverse_mass, rest.counted) = (counted, counted);
+        }
+        let differ = before.iter().zip(&*bodies).any(|(before, body)| *before != body.inverse_mass);
+        if differ {
+            self.hold_as_weighed(bodies, before);
+        }
+        self.weights = weights;
+        differ
+    }
+
+    /// Keeps what holds balls that weigh something else than `before`.
+    fn hold_as_weighed(&mut self, bodies: &[Body], before: &[f64]) {
         for (number, stripe) in self.stripes.iter_mut().enumerate() {
             let start = self.layout.start(number);
             for hold in &mut stripe.holds {
                 let balls = [hold.pair.first, hold.pair.second].map(|ball| start + ball as usize);
-                let (old, new) = (balls.map(|ball| before[ball]), balls.map(|ball| rests[ball].inverse_mass));
+                let (old, new) =
+                    (balls.map(|ball| before[ball]), balls.map(|ball| bodies[ball].inverse_mass));
                 if old != new {
-                    hold.weigh(old, new, balls.map(|ball| bodies[ball].inverse_mass));
+                    hold.weigh(old, new);
+                }
+            }
+            for beside in &mut stripe.beside {
+                let ball = start + beside.body as usize;
+                let (old, new) = (before[ball], bodies[ball].inverse_mass);
+                if old != new {
+                    // A velocity, not an impulse.
+                    beside.push = if new > old { DVec2::ZERO } else { beside.push * (new / old) };
                 }
             }
         }
@@ -58,13 +140,15 @@ impl Near {
 }
 
 impl Hold {
-    /// Takes it that its balls, which had the `old` inverse masses, have `new` ones, of which those that move now are `moved`.
-    fn weigh(&mut self, old: [f64; 2], new: [f64; 2], moved: [f64; 2]) {
+    /// Takes it that its balls, which had the `old` inverse masses, have `new` ones.
+    fn weigh(&mut self, old: [f64; 2], new: [f64; 2]) {
         let sum = |[first, second]: [f64; 2]| first + second;
         // A heavier ball is held by the same impulse: it may be what carries the other. But what held a heavier one would
-        // shoot a lighter one away.
-        let part = lesser(1.0, sum(old) / sum(new));
-        (self.impulse, self.grip, self.mass) = (self.impulse * part, self.grip * part, sum(moved).recip());
+        // shoot a lighter one away, and a part that suits this pair would not balance what others give.
+        if sum(new) > sum(old) {
+            (self.impulse, self.grip) = (0.0, DVec2::ZERO);
+        }
+        self.mass = sum(new).recip();
     }
 }
 
@@ -80,14 +164,28 @@ fn are_unequal(bodies: &[Body], rests: &[Rest]) -> bool {
     differ(&|_, rest| rest.own) && differ(&|body, rest| rest.own * body.radius * body.radius)
 }
 
-/// Lets the first of two balls count as heavier where it is too light for the second. Whether it was.
-fn make_heavier(bodies: &[Body], rests: &mut [Rest], first: usize, second: usize) -> bool {
-    let ratio = (bodies[second].radius / bodies[first].radius).max(1.0);
-    let most = HEAVIER * ratio * ratio * rests[second].inverse_mass;
-    let first = &mut rests[first];
-    let too_light = most > 0.0 && first.inverse_mass > most && !first.asleep;
+/// The square of the speed, px/s, of what falls so far, px.
+fn fall(setting: &Setting, far: f64) -> f64 {
+    2.0 * setting.kick.length() / setting.substep * far
+}
+
+/// The upper and the lower of two balls, unless they pass each other faster than one that falls as far as they reach: then
+/// they meet in impacts.
+fn load(bodies: &[Body], setting: &Setting, i: usize, j: usize) -> Option<(u32, u32)> {
+    let (first, second) = (&bodies[i], &bodies[j]);
+    let passes =
+        first.velocity.distance_squared(second.velocity) > fall(setting, first.radius + second.radius);
+    let upper = (first.position - second.position).dot(setting.kick) < 0.0;
+    (!passes).then_some(if upper { (i as u32, j as u32) } else { (j as u32, i as u32) })
+}
+
+/// Lets the lower of two balls count as heavier where it is too light for the upper one. Whether it was.
+fn make_heavier(bodies: &[Body], counted: &mut [f64], upper: usize, lower: usize) -> bool {
+    let ratio = (bodies[upper].radius / bodies[lower].radius).max(1.0);
+    let most = HEAVIER * ratio * ratio * counted[upper];
+    let too_light = most > 0.0 && counted[lower] > most;
     if too_light {
-        first.inverse_mass = most;
+        counted[lower] = most;
     }
     too_light
 }
@@ -95,61 +193,100 @@ fn make_heavier(bodies: &[Body], rests: &mut [Rest], first: usize, second: usize
 #[cfg(test)]
 mod tests {
     use super::super::super::ball::Ball;
+    use super::super::super::world::{Pairs, World};
+    use super::super::Tuning;
+    use super::super::holds::Pair;
     use super::*;
 
-    /// Balls of these radii and masses, the first ones asleep.
-    fn balls(of: &[(f64, f64)], asleep: usize) -> (Vec<Body>, Vec<Rest>) {
-        let ball =
-            |&(radius, mass): &(f64, f64)| Ball::new(DVec2::ZERO, radius).unwrap().with_mass(mass).unwrap();
-        let bodies: Vec<_> = of.iter().map(|of| Body::new(&ball(of), DVec2::ZERO)).collect();
-        let mut rests: Vec<_> = bodies.iter().map(Rest::new).collect();
-        rests[..asleep].iter_mut().for_each(|rest| rest.asleep = true);
-        (bodies, rests)
+    fn ball(x: f64, y: f64, (radius, mass): (f64, f64)) -> Ball {
+        Ball::new(DVec2::new(x, y), radius).unwrap().with_mass(mass).unwrap()
     }
 
-    fn weight_beside(of: [(f64, f64); 2], asleep: usize) -> f64 {
-        let (bodies, mut rests) = balls(&of, asleep);
-        make_heavier(&bodies, &mut rests, 0, 1);
-        make_heavier(&bodies, &mut rests, 1, 0);
-        assert_eq!(rests[1].inverse_mass, rests[1].own, "the heavier one weighs what it did");
-        rests[0].inverse_mass.recip()
+    fn contact(balls: &[Ball]) -> Contact {
+        let world = World::new(DVec2::splat(200.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
+        Contact::new(&world, balls, Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 })
+    }
+
+    /// What each ball counts with.
+    fn weights(contact: &Contact) -> Vec<f64> {
+        contact.bodies.iter().map(|body| body.inverse_mass.recip()).collect()
+    }
+
+    /// What balls on top of each other, from the highest down, count with.
+    fn weights_in_column(of: &[(f64, f64)]) -> Vec<f64> {
+        let mut y = 50.0;
+        let mut place = |&(radius, mass): &(f64, f64)| {
+            y += 2.0 * radius;
+            ball(100.0, y - radius, (radius, mass))
+        };
+        let balls: Vec<Ball> = of.iter().map(&mut place).collect();
+        let mut contact = contact(&balls);
+        contact.find();
+        weights(&contact)
     }
 
     #[test]
-    fn a_ball_counts_as_no_less_than_a_quarter_as_dense_as_its_neighbour_or_as_heavy() {
-        assert_eq!(weight_beside([(5.0, 1.0), (5.0, 1000.0)], 0), 250.0);
-        assert_eq!(weight_beside([(5.0, 300.0), (5.0, 1000.0)], 0), 300.0);
-        // A hundred times as dense and a tenth of the size: a ten-thousandth of the mass is enough.
-        assert_eq!(weight_beside([(1.0, 1.0), (10.0, 1e4)], 0), 25.0);
+    fn a_ball_counts_as_no_less_than_a_quarter_as_dense_as_one_above_it_or_as_heavy() {
+        assert_eq!(weights_in_column(&[(5.0, 1000.0), (5.0, 1.0)]), [1000.0, 250.0]);
+        assert_eq!(weights_in_column(&[(5.0, 1000.0), (5.0, 300.0)]), [1000.0, 300.0]);
+        // A hundred times as dense and a tenth of the size: a four-hundredth of the mass is enough.
+        assert_eq!(weights_in_column(&[(10.0, 1e4), (1.0, 1.0)]), [1e4, 25.0]);
         // However large it is itself.
-        assert_eq!(weight_beside([(10.0, 1.0), (1.0, 1000.0)], 0), 250.0);
+        assert_eq!(weights_in_column(&[(1.0, 1000.0), (10.0, 1.0)]), [1000.0, 250.0]);
+    }
+
+    #[test]
+    fn weight_is_passed_on_to_what_is_below_and_never_up() {
+        let column = [(5.0, 1.0), (5.0, 4096.0), (5.0, 1.0), (5.0, 1.0), (5.0, 1.0)];
+        assert_eq!(weights_in_column(&column), [1.0, 4096.0, 1024.0, 256.0, 64.0]);
     }
 
     #[test]
     fn balls_of_one_material_or_of_one_mass_weigh_what_they_do() {
-        for of in [[(1.0, 1.0), (10.0, 100.0)], [(1.0, 1.0), (10.0, 1.0)], [(5.0, 1.0), (5.0, 4.0)]] {
-            let (bodies, rests) = balls(&of, 0);
-            assert!(!are_unequal(&bodies, &rests));
+        for of in [[(10.0, 100.0), (1.0, 1.0)], [(10.0, 1.0), (1.0, 1.0)], [(5.0, 4.0), (5.0, 1.0)]] {
+            assert_eq!(weights_in_column(&of), of.map(|(_, mass)| mass));
         }
-        let (bodies, rests) = balls(&[(5.0, 1.0), (5.0, 5.0)], 0);
-        assert!(are_unequal(&bodies, &rests));
-        assert_eq!(weight_beside([(1.0, 1.0), (10.0, 100.0)], 0), 1.0);
     }
 
     #[test]
-    fn sleepers_go_on_weighing_what_they_did() {
-        assert_eq!(weight_beside([(5.0, 1.0), (5.0, 1000.0)], 1), 1.0);
+    fn balls_that_pass_each_other_weigh_what_they_do_until_one_is_slow() {
+        let falls = ball(100.0, 100.0, (5.0, 1000.0)).with_velocity(DVec2::new(0.0, 500.0)).unwrap();
+        let mut contact = contact(&[falls, ball(100.0, 111.0, (5.0, 1.0))]);
+        contact.find();
+        assert_eq!(weights(&contact), [1000.0, 1.0]);
+        contact.bodies[0].velocity = DVec2::ZERO;
+        contact.steps = PERIOD;
+        contact.find();
+        assert_eq!(weights(&contact), [1000.0, 250.0]);
     }
 
     #[test]
-    fn a_hold_of_a_heavier_ball_keeps_its_impulse_and_that_of_a_lighter_one_gives_the_same_velocity() {
-        let pair = super::super::holds::Pair { first: 0, second: 1 };
-        let hold = Hold { impulse: 8.0, ..Hold::none(pair, 0.5) };
+    fn sleepers_rest_on_what_they_weighed_and_pass_on_what_is_above_them_now() {
+        let column = [1000.0, 1.0, 1.0].map(|mass| (5.0, mass));
+        let balls: Vec<Ball> =
+            column.iter().zip([100.0, 110.0, 120.0]).map(|(of, y)| ball(100.0, y, *of)).collect();
+        let mut contact = contact(&balls);
+        contact.rests[1].asleep = true;
+        contact.bodies[1].inverse_mass = 0.0;
+        contact.find();
+        assert_eq!(contact.rests[1].counted, 1.0);
+        assert_eq!(weights(&contact), [1000.0, f64::INFINITY, 62.5]);
+        assert_eq!(contact.rests[2].in_impacts(), 1.0);
+    }
+
+    #[test]
+    fn a_hold_of_a_heavier_ball_keeps_its_impulse_and_that_of_a_lighter_one_lets_go() {
+        let hold = Hold { impulse: 8.0, ..Hold::none(Pair { first: 0, second: 1 }, 0.5) };
         let mut heavier = hold;
-        heavier.weigh([1.0, 1.0], [1.0, 0.0], [1.0, 0.0]);
-        assert_eq!((heavier.impulse, heavier.mass), (8.0, 1.0));
+        heavier.weigh([1.0, 0.25], [0.25, 0.25]);
+        assert_eq!((heavier.impulse, heavier.mass), (8.0, 2.0));
         let mut lighter = hold;
-        lighter.weigh([1.0, 1.0], [3.0, 1.0], [3.0, 1.0]);
-        assert_eq!((lighter.impulse, lighter.mass), (4.0, 0.25));
+        lighter.weigh([1.0, 1.0], [3.0, 1.0]);
+        assert_eq!((lighter.impulse, lighter.mass), (0.0, 0.25));
+        // On what nothing moves.
+        let mut on_sleeper = hold;
+        on_sleeper.weigh([0.25, 0.0], [1.0, 0.0]);
+        assert_eq!((on_sleeper.impulse, on_sleeper.mass), (0.0, 1.0));
     }
 }

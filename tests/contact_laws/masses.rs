@@ -1,0 +1,123 @@
+//! Balls of very different masses where they hold each other.
+
+use super::*;
+
+#[test]
+fn a_ball_heavier_than_the_pile_that_it_lies_on_does_not_sink_in() {
+    let fill = "count = 2500\nradius = 4\nrestitution = 0.3\nregion = [0, 150, 600, 550]\n";
+    let text = format!("size = [600, 550]\ngravity = [0, 980]\n[walls]\n[pairs]\n[[fill]]\n{fill}");
+    let mut simulation = Scene::parse("bed", &text).unwrap().with_solver(Solver::Contact).build().unwrap();
+    let run = |simulation: &mut Simulation, seconds: usize| {
+        (0..60 * seconds).for_each(|_| simulation.advance(FRAME).unwrap());
+    };
+    run(&mut simulation, 4);
+    // As wide as some stripes, and of ten times the mass of all others.
+    let heavy = ball(300.0, 60.0, 50.0).with_mass(2.5e4).unwrap().with_restitution(0.0).unwrap();
+    simulation.add(&[heavy]).unwrap();
+    run(&mut simulation, 6);
+    let lies = simulation.balls()[2500].position().y;
+    assert!(overlap(&simulation) < 0.1, "{}", overlap(&simulation));
+    run(&mut simulation, 4);
+    let sunk = simulation.balls()[2500].position().y - lies;
+    // The bed gives way by less than a ball of it is wide.
+    assert!(sunk < 4.0, "{sunk}");
+    assert!(overlap(&simulation) < 0.1, "{}", overlap(&simulation));
+}
+
+/// They lay in each other, and rattled for ever: what light ones pass on from one heavy ball to another is found in steps of
+/// their own mass.
+#[test]
+fn light_balls_between_heavy_ones_come_to_rest_beside_them() {
+    for ratio in [1e2, 1e3, 1e4, 1e6] {
+        let fill = |mass: f64, seed: u32| {
+            format!("[[fill]]\ncount = 150\nradius = 5\nmass = {mass}\nrestitution = 0.7\nseed = {seed}\n")
+        };
+        let text = format!(
+            "solver = \"contact\"\nsize = [324, 182]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n{}{}",
+            fill(1.0, 1),
+            fill(ratio, 1001)
+        );
+        let mut pile = Scene::parse("mixed", &text).unwrap().build().unwrap();
+        let at_rest = (0..1800).any(|_| {
+            pile.advance(FRAME).is_ok() && pile.balls().iter().all(|ball| ball.velocity() == DVec2::ZERO)
+        });
+        assert!(at_rest, "{ratio}: {} px/s after {} s", fastest(&pile), pile.time());
+        assert!(overlap(&pile) < 0.05, "{ratio}: {}", overlap(&pile));
+    }
+}
+
+/// A pile of balls of radius 6 to 12 whose masses, whatever their sizes, span four powers of ten.
+fn mixed_pile(seed: u64) -> Simulation {
+    let mut random = numbers::random(seed);
+    let balls = (0..300_u32).map(|k| {
+        let (radius, mass) = (6.0 + 6.0 * random(), 10.0_f64.powf(4.0 * (random() - 0.5)));
+        let (column, row) = (f64::from(k % 20), f64::from(k / 20));
+        let ball = ball(20.0 + 30.0 * column + 2.0 * random(), 20.0 + 30.0 * row, radius);
+        ball.with_mass(mass).unwrap().with_restitution(0.5).unwrap()
+    });
+    simulation(world(640.0, 480.0, 0.5).with_gravity(EARTH).unwrap(), balls.collect())
+}
+
+/// What held light balls between heavy ones threw them, and each substep again: up to a sixth of all energy in a frame.
+#[test]
+fn a_pile_whose_masses_do_not_follow_its_sizes_gets_no_energy_from_nowhere() {
+    for seed in [3, 11, 37, 41, 45, 51] {
+        let mut pile = mixed_pile(seed);
+        let start = energy(&pile);
+        let mut before = start;
+        for frame in 0..900 {
+            pile.advance(FRAME).unwrap();
+            let now = energy(&pile);
+            // Balls that are moved out of each other are lifted.
+            assert!(now < before + 5e-3 * start, "seed {seed}, frame {frame}: {before} rises to {now}");
+            before = now;
+        }
+    }
+}
+
+/// A heavy ball on the floor, or two side by side, and a light one on top that slips off, or wedges them apart.
+#[test]
+fn what_lies_on_heavy_balls_gives_them_no_more_than_it_has() {
+    for mass in [1e2, 1e4, 1e6] {
+        let heavy = |x: f64| ball(x, 280.0, 20.0).with_mass(mass).unwrap().with_restitution(0.0).unwrap();
+        let light = |x: f64, y: f64| ball(x, y, 20.0).with_restitution(0.0).unwrap();
+        let slips = vec![light(308.0, 240.79), heavy(300.0)];
+        let wedges = vec![light(300.0, 245.35), heavy(280.0), heavy(320.0)];
+        for balls in [slips, wedges] {
+            let world = world(600.0, 300.0, 0.5).with_gravity(EARTH).unwrap();
+            let mut simulation = simulation(world, balls);
+            let start = energy(&simulation);
+            // What it has after it fell as far as it is wide.
+            let momentum = (2.0 * EARTH.y * 40.0).sqrt();
+            for _ in 0..120 {
+                simulation.advance(FRAME).unwrap();
+                let now = energy(&simulation);
+                assert!(now < start, "{mass}: {now} after {start}");
+                let speed = simulation.balls()[1].velocity().length();
+                assert!(speed * mass < momentum, "{mass}: {speed} px/s");
+            }
+        }
+    }
+}
+
+/// Between two heavy balls that come together in the air it is hit ever more often, and ever faster. What is left of its
+/// hits is held; where it counted as a quarter of their mass then, their energy came out fourfold.
+#[test]
+fn a_light_ball_that_rattles_between_heavy_ones_gives_them_no_energy() {
+    for (gap, tilt) in [3.0, 6.0].into_iter().flat_map(|gap| [-1.0, 0.0, 1.0].map(|tilt| (gap, tilt))) {
+        let bed = (0..100).map(|k| ball(15.0 + 10.0 * f64::from(k % 100), 995.0, 5.0));
+        let mut simulation =
+            simulation(world(1030.0, 1000.0, 0.5).with_gravity(EARTH).unwrap(), bed.collect());
+        simulation.advance(2.0).unwrap();
+        let heavy = |x: f64, y: f64, speed: f64| moving(ball(x, y, 10.0), speed, 0.0).with_mass(1e4).unwrap();
+        let (left, right) = (heavy(484.95, 200.0, 50.0), heavy(515.0 + gap, 200.0 + tilt, -50.0));
+        simulation.add(&[left, ball(500.0, 200.0, 5.0), right]).unwrap();
+        let start = energy(&simulation);
+        for _ in 0..60 {
+            simulation.advance(FRAME).unwrap();
+            let now = energy(&simulation);
+            // Of their motion towards each other, which is a small part of all.
+            assert!(now < start + 0.01 * 1e4 * 50.0 * 50.0, "{gap}, {tilt}: {now} after {start}");
+        }
+    }
+}
