@@ -120,11 +120,9 @@ impl Exact {
     /// Foresees what comes next for a ball that is hidden, and does not meet others that are.
     #[inline]
     fn foresee_hidden<N: Needs>(&mut self, slot: usize, now: f64) {
-        let ahead = self.ahead::<N>(slot, now, None);
         let flight = &mut self.flights[slot];
-        (flight.impact, flight.against) = (ahead.impact, ahead.wall);
-        self.meet_others::<N>(slot, now, None);
-        self.write_next::<N>(slot, &ahead);
+        (flight.impact, flight.against) = (NEVER, Against::NOTHING);
+        self.find_next::<N>(slot, now, None);
     }
 
     /// Takes a ball over the border of its cell. Its flight stays as it is, and so does the impact foreseen, unless one
@@ -134,12 +132,21 @@ impl Exact {
         let Some(cells) = &mut self.cells else { return };
         let from = self.flights[slot].place;
         self.flights[slot].place = cells.cross::<N>(slot, from, border);
-        let ahead = self.ahead::<N>(slot, now, Some(border));
+        self.find_next::<N>(slot, now, Some(border));
+    }
+
+    /// Finds what comes next for a ball, where that is earlier than the impact that it has ahead, and writes it down. Where
+    /// it crosses a border now, only what has come near by that is looked at.
+    ///
+    /// One function for all of it, and not inlined: what a ball needs stays in registers, from one step to the next.
+    #[inline(never)]
+    fn find_next<N: Needs>(&mut self, slot: usize, now: f64, crossed: Option<Border>) {
+        let ahead = self.ahead::<N>(slot, now, crossed);
         let flight = &mut self.flights[slot];
         if ahead.impact < flight.impact {
             (flight.impact, flight.against) = (ahead.impact, ahead.wall);
         }
-        self.meet_others::<N>(slot, now, Some(border));
+        self.meet_others::<N>(slot, now, crossed);
         self.write_next::<N>(slot, &ahead);
     }
 
@@ -199,6 +206,7 @@ impl Exact {
     }
 
     /// Writes what comes first for a ball into the calendar.
+    #[inline]
     fn write_next<N: Needs>(&mut self, slot: usize, ahead: &Ahead) {
         let flight = &mut self.flights[slot];
         let event = lesser(flight.impact, ahead.crossing);
