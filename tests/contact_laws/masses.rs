@@ -121,3 +121,24 @@ fn a_light_ball_that_rattles_between_heavy_ones_gives_them_no_energy() {
         }
     }
 }
+
+/// It counts as heavier there, but nothing holds it.
+#[test]
+fn a_light_ball_that_flies_by_a_heavy_one_or_off_it_goes_as_in_exact() {
+    let heavy = |x: f64, y: f64, radius: f64, speed: f64| {
+        moving(ball(x, y, radius), 0.0, speed).with_mass(1e6).unwrap()
+    };
+    let by = (vec![ball(357.5, 215.0, 5.0), heavy(300.0, 250.0, 50.0, 0.0)], 0.38);
+    let off = (vec![moving(ball(100.0, 100.0, 5.0), 0.0, 150.0), heavy(100.0, 84.0, 10.0, 200.0)], 0.3);
+    for (balls, seconds) in [by, off] {
+        let world = world(600.0, 300.0, 0.5).with_gravity(EARTH).unwrap();
+        let after = |solver: Solver| {
+            let mut simulation = Simulation::new(world, balls.clone(), solver).unwrap();
+            simulation.advance(seconds).unwrap();
+            simulation.balls()[0]
+        };
+        let (contact, exact) = (after(Solver::Contact), after(Solver::Exact));
+        assert!(contact.position().distance(exact.position()) < 1e-3, "{contact:?}, {exact:?}");
+        assert!(contact.velocity().distance(exact.velocity()) < 1e-2, "{contact:?}, {exact:?}");
+    }
+}

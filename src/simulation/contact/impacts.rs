@@ -10,10 +10,12 @@
 
 use std::collections::BinaryHeap;
 
+use glam::DVec2;
+
 use super::events::{Event, Spot, What};
 use super::find::FEW;
 use super::holds::Marks;
-use super::meeting::{Approach, Meeting, exchange};
+use super::meeting::{Approach, Meeting, exchange, strike};
 use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
 use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
@@ -69,6 +71,16 @@ pub(super) enum Shift {
     Some,
     /// Far away: it is fast, or was hit by a fast one.
     Far,
+}
+
+impl Fate {
+    /// Changes the velocity of its body, after all impacts.
+    pub(super) fn slow_down(&mut self, setting: &Setting, body: &mut Body, change: DVec2) {
+        // A fast one may have had its last impact, and its end, at any time: it stays where it would be in the end.
+        let time = if self.fast { setting.substep } else { self.time };
+        strike(body, change, time);
+        self.shift.raise(Shift::Some, change.length() * time > SHIFT * body.radius);
+    }
 }
 
 impl Shift {

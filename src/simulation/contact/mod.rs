@@ -7,7 +7,7 @@
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `events`, `impacts`, `meeting`, `together`,
 //!    `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
-//!    (`take_up`, `support`, `wall_support`);
+//!    (`take_up`, `support`, `wall_support`; what counts as heavier than it is, and is fast, is slowed down before);
 //! 5. balls move (`Contact::travel`), and those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!

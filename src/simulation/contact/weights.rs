@@ -2,23 +2,22 @@
 //!
 //! What a light ball below a heavy one passes on is found in steps of its own mass: where it weighs a thousandth of it, that
 //! would take thousands of sweeps, and they would meet in it meanwhile. So a ball counts as no lighter than a part of any
-//! ball above it. Not of one below: what lies on a heavy ball is all that moves it then, and would push it aside. Each counts
+//! ball right above it. Not of one below: what lies on a heavy ball is all that moves it then, and would push it aside. Each counts
 //! so for all that hold it, not for each pair alike: what comes of it is what balls of these weights would do, which takes
 //! energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
 use super::find::Near;
 use super::holds::Hold;
-use super::meeting::strike;
 use super::sleep::Rest;
 use super::{Body, Contact, DVec2, Setting};
 
-/// No ball counts as less than the fourth part as dense as one above it, or as heavy where that is less. With a tenth, light
+/// No ball counts as less than the fourth part as dense as one right above it counts, or as heavy where that is less. With a tenth, light
 /// balls are squeezed twice as deep.
 const HEAVIER: f64 = 4.0;
 /// Balls are weighed anew after so many substeps, and where pairs were searched.
 const PERIOD: u64 = 8;
-/// What is around a ball is no farther from it than this part of what they have between them when they touch.
-const AROUND: f64 = 1.1;
+/// Neither of two balls lies above the other where their heights differ by less than this part of what they reach.
+const LEVEL: f64 = 0.01;
 
 /// Which balls weigh what.
 #[derive(Debug, Clone, Default)]
@@ -46,41 +45,37 @@ impl Contact {
         near.weights.differ && near.weigh(bodies, rests, setting)
     }
 
-    /// Slows down what counts as heavier than it is and is faster than one that falls as far as it is wide: held as that, it
-    /// would strike with more energy than it has. Relative to what is around it, it keeps what it has.
+    /// Slows down what counts as heavier than it is, is faster than one that falls as far as it is wide, and will be held by
+    /// others in this substep: as that, it would strike with more energy than it has. Relative to them, it keeps what it has.
     pub(super) fn slow_counted(&mut self) {
         let Self { setting, bodies, rests, near: Some(near), course, .. } = self else { return };
-        if !near.weights.differ {
-            return;
-        }
         let is_fast = |(body, rest): (&Body, &Rest)| {
             body.inverse_mass < rest.in_impacts()
                 && body.velocity.length_squared() > fall(setting, 2.0 * body.radius)
         };
-        let fast: Vec<bool> = bodies.iter().zip(&*rests).map(is_fast).collect();
-        if !fast.contains(&true) {
+        if !near.weights.differ || !bodies.iter().zip(&*rests).any(is_fast) {
             return;
         }
-        // Momentum and mass.
-        let mut around = vec![(DVec2::ZERO, 0.0_f64); bodies.len()];
+        let fast: Vec<bool> = bodies.iter().zip(&*rests).map(is_fast).collect();
+        // The momentum and the mass of those that hold it.
+        let mut holding = vec![(DVec2::ZERO, 0.0_f64); bodies.len()];
         for (i, j) in near.pairs() {
             for (one, other) in [(i, j), (j, i)].into_iter().filter(|&(one, _)| fast[one]) {
                 let (ball, its) = (&bodies[one], &bodies[other]);
-                let reach = AROUND * (ball.radius + its.radius);
-                if ball.position.distance_squared(its.position) < reach * reach {
-                    // What nothing moves is as heavy as what made this one heavier.
+                if will_press(setting, ball, its) {
+                    // None counts for more than what made this one heavier would, if it is as large.
                     let mass = rests[other].in_impacts().max(ball.inverse_mass / HEAVIER).recip();
-                    around[one] = (around[one].0 + its.velocity * mass, around[one].1 + mass);
+                    holding[one] = (holding[one].0 + its.velocity * mass, holding[one].1 + mass);
                 }
             }
         }
-        for (at, (momentum, mass)) in around.into_iter().enumerate().filter(|(_, (_, mass))| *mass > 0.0) {
-            let (body, own) = (&mut bodies[at], rests[at].own);
+        for (at, (momentum, mass)) in holding.into_iter().enumerate().filter(|(_, (_, mass))| *mass > 0.0) {
+            let (body, own, fate) = (&mut bodies[at], rests[at].own, &mut course.fates[at]);
             let common = (momentum + body.velocity / own) / (mass + own.recip());
             let change = (common - body.velocity) * (1.0 - (body.inverse_mass / own).sqrt());
             // The others may be as light, and faster.
             if (body.velocity + change).length_squared() < body.velocity.length_squared() {
-                strike(body, change, course.fates[at].time);
+                fate.slow_down(setting, body, change);
             }
         }
     }
@@ -120,11 +115,20 @@ impl Near {
         for (number, stripe) in self.stripes.iter_mut().enumerate() {
             let start = self.layout.start(number);
             for hold in &mut stripe.holds {
-                let balls = [hold.pair.first, hold.pair.second].map(|ball| start + ball as usize);
+                if hold.impulse == 0.0 {
+                    // It has been taken from both already.
+                    hold.grip = DVec2::ZERO;
+                }
+                let own = [hold.pair.first, hold.pair.second];
+                let balls = own.map(|ball| start + ball as usize);
                 let (old, new) =
                     (balls.map(|ball| before[ball]), balls.map(|ball| bodies[ball].inverse_mass));
                 if old != new {
+                    let carried = hold.impulse;
                     hold.weigh(old, new);
+                    let lost = carried - hold.impulse;
+                    let sleepers = own.into_iter().zip(new).filter(|&(_, new)| lost > 0.0 && new == 0.0);
+                    stripe.disturbed.extend(sleepers.map(|(own, _)| (own, lost)));
                 }
             }
             for beside in &mut stripe.beside {
@@ -142,13 +146,12 @@ impl Near {
 impl Hold {
     /// Takes it that its balls, which had the `old` inverse masses, have `new` ones.
     fn weigh(&mut self, old: [f64; 2], new: [f64; 2]) {
-        let sum = |[first, second]: [f64; 2]| first + second;
         // A heavier ball is held by the same impulse: it may be what carries the other. But what held a heavier one would
         // shoot a lighter one away, and a part that suits this pair would not balance what others give.
-        if sum(new) > sum(old) {
+        if new[0] > old[0] || new[1] > old[1] {
             (self.impulse, self.grip) = (0.0, DVec2::ZERO);
         }
-        self.mass = sum(new).recip();
+        self.mass = (new[0] + new[1]).recip();
     }
 }
 
@@ -175,8 +178,18 @@ fn load(bodies: &[Body], setting: &Setting, i: usize, j: usize) -> Option<(u32, 
     let (first, second) = (&bodies[i], &bodies[j]);
     let passes =
         first.velocity.distance_squared(second.velocity) > fall(setting, first.radius + second.radius);
-    let upper = (first.position - second.position).dot(setting.kick) < 0.0;
-    (!passes).then_some(if upper { (i as u32, j as u32) } else { (j as u32, i as u32) })
+    let below = (first.position - second.position).dot(setting.kick);
+    let level = LEVEL * (first.radius + second.radius) * setting.kick.length();
+    let upper_first = if below < 0.0 { (i as u32, j as u32) } else { (j as u32, i as u32) };
+    (!passes && below.abs() > level).then_some(upper_first)
+}
+
+/// Whether two balls come to lie in each other in this substep as they go.
+fn will_press(setting: &Setting, first: &Body, second: &Body) -> bool {
+    let closing = (first.position - second.position).dot(first.velocity - second.velocity);
+    let reach = first.radius + second.radius;
+    let end = first.end(setting.substep) - second.end(setting.substep);
+    closing < 0.0 && end.length_squared() < reach * reach
 }
 
 /// Lets the lower of two balls count as heavier where it is too light for the upper one. Whether it was.
@@ -243,6 +256,17 @@ mod tests {
     }
 
     #[test]
+    fn balls_side_by_side_weigh_what_they_do() {
+        let mut contact = contact(&[
+            ball(100.0, 100.0, (5.0, 1000.0)),
+            ball(110.0, 100.05, (5.0, 1.0)),
+            ball(90.0, 100.0, (5.0, 1.0)),
+        ]);
+        contact.find();
+        assert_eq!(weights(&contact), [1000.0, 1.0, 1.0]);
+    }
+
+    #[test]
     fn balls_of_one_material_or_of_one_mass_weigh_what_they_do() {
         for of in [[(10.0, 100.0), (1.0, 1.0)], [(10.0, 1.0), (1.0, 1.0)], [(5.0, 4.0), (5.0, 1.0)]] {
             assert_eq!(weights_in_column(&of), of.map(|(_, mass)| mass));
@@ -284,6 +308,10 @@ mod tests {
         let mut lighter = hold;
         lighter.weigh([1.0, 1.0], [3.0, 1.0]);
         assert_eq!((lighter.impulse, lighter.mass), (0.0, 0.25));
+        // One becomes as heavy as the other was, and the other as light.
+        let mut swapped = hold;
+        swapped.weigh([1.0, 0.01], [0.01, 1.0]);
+        assert_eq!(swapped.impulse, 0.0);
         // On what nothing moves.
         let mut on_sleeper = hold;
         on_sleeper.weigh([0.25, 0.0], [1.0, 0.0]);
