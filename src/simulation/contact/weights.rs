@@ -1,23 +1,24 @@
 //! What balls weigh where they are held.
 //!
-//! What a light ball below a heavy one passes on is found in steps of its own mass: where it weighs a thousandth of it, that
-//! would take thousands of sweeps, and they would meet in it meanwhile. So a ball counts as no lighter than a part of any
-//! ball right above it. Not of one below: what lies on a heavy ball is all that moves it then, and would push it aside. Each counts
-//! so for all that hold it, not for each pair alike: what comes of it is what balls of these weights would do, which takes
-//! energy or keeps it as long as they are the same. Impacts know what each really weighs.
+//! What a light ball below a heavy one, or beside it, passes on is found in steps of its own mass: where it weighs a
+//! thousandth of it, that would take thousands of sweeps, and they would meet in it meanwhile. So a ball counts as no lighter
+//! than a part of those that press on it so. Not of a heavy one that it lies on: it is all that moves that one then, and would
+//! push it aside. Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights
+//! would do, which takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
 use super::find::Near;
 use super::holds::Hold;
 use super::sleep::Rest;
 use super::{Body, Contact, DVec2, Setting};
 
-/// No ball counts as less than the fourth part as dense as one right above it counts, or as heavy where that is less. With a tenth, light
+/// No ball counts as less than the fourth part as dense as one above or beside it counts, or as heavy where that is less. With a tenth, light
 /// balls are squeezed twice as deep.
 const HEAVIER: f64 = 4.0;
 /// Balls are weighed anew after so many substeps, and where pairs were searched.
 const PERIOD: u64 = 8;
-/// Neither of two balls lies above the other where their heights differ by less than this part of what they reach.
-const LEVEL: f64 = 0.01;
+/// A ball lies on another where their heights differ by more than this part of what they reach: what slides off one that
+/// stands still leaves it there. Balls side by side pass weight on to each other.
+const LEVEL: f64 = 2.0 / 3.0;
 
 /// Which balls weigh what.
 #[derive(Debug, Clone, Default)]
@@ -91,10 +92,14 @@ impl Near {
         counted.clear();
         counted.extend(rests.iter().map(|rest| rest.own));
         loads.clear();
-        loads.extend(self.pairs().filter_map(|(i, j)| load(bodies, setting, i, j)));
+        loads.extend(self.pairs().flat_map(|(i, j)| loads_of(bodies, setting, i as u32, j as u32)).flatten());
         // Mostly from above: what passes weight on has it already then.
         while loads.iter().rev().fold(false, |any, &(upper, lower)| {
-            make_heavier(bodies, counted, upper as usize, lower as usize) || any
+            let (upper, lower) = (upper as usize, lower as usize);
+            let down = make_heavier(bodies, counted, upper, lower);
+            // What counts as heavier passes that on upwards, too; what only is so carries what lies on it.
+            let up = counted[lower] < rests[lower].own && make_heavier(bodies, counted, lower, upper);
+            down || up || any
         }) {}
         // Sleepers rest on what they weighed when they fell asleep.
         for ((body, rest), &counted) in
@@ -172,16 +177,17 @@ fn fall(setting: &Setting, far: f64) -> f64 {
     2.0 * setting.kick.length() / setting.substep * far
 }
 
-/// The upper and the lower of two balls, unless they pass each other faster than one that falls as far as they reach: then
-/// they meet in impacts.
-fn load(bodies: &[Body], setting: &Setting, i: usize, j: usize) -> Option<(u32, u32)> {
-    let (first, second) = (&bodies[i], &bodies[j]);
-    let passes =
-        first.velocity.distance_squared(second.velocity) > fall(setting, first.radius + second.radius);
+/// Which of two balls may make the other heavier, and which: the one that lies on the other, or each, or neither where they
+/// pass each other faster than one that falls as far as they reach: then they meet in impacts.
+fn loads_of(bodies: &[Body], setting: &Setting, one: u32, other: u32) -> [Option<(u32, u32)>; 2] {
+    let (first, second) = (&bodies[one as usize], &bodies[other as usize]);
+    let reach = first.radius + second.radius;
+    if first.velocity.distance_squared(second.velocity) > fall(setting, reach) {
+        return [None; 2];
+    }
     let below = (first.position - second.position).dot(setting.kick);
-    let level = LEVEL * (first.radius + second.radius) * setting.kick.length();
-    let upper_first = if below < 0.0 { (i as u32, j as u32) } else { (j as u32, i as u32) };
-    (!passes && below.abs() > level).then_some(upper_first)
+    let level = LEVEL * reach * setting.kick.length();
+    [(below < level).then_some((one, other)), (-below < level).then_some((other, one))]
 }
 
 /// Whether two balls come to lie in each other in this substep as they go.
@@ -256,14 +262,15 @@ mod tests {
     }
 
     #[test]
-    fn balls_side_by_side_weigh_what_they_do() {
-        let mut contact = contact(&[
-            ball(100.0, 100.0, (5.0, 1000.0)),
-            ball(110.0, 100.05, (5.0, 1.0)),
-            ball(90.0, 100.0, (5.0, 1.0)),
-        ]);
+    fn weight_is_passed_on_sideways_and_up_to_what_lies_on_balls_that_count_as_heavier() {
+        let places = [(100.0, 1000.0), (110.0, 1.0), (90.0, 1.0)];
+        let mut balls: Vec<Ball> = places.iter().map(|&(x, mass)| ball(x, 100.0, (5.0, mass))).collect();
+        balls.push(ball(110.0, 90.0, (5.0, 1.0)));
+        balls.push(ball(100.0, 90.0, (5.0, 1.0)));
+        let mut contact = contact(&balls);
         contact.find();
-        assert_eq!(weights(&contact), [1000.0, 1.0, 1.0]);
+        // The last lies on the heavy one, and beside one that lies on a ball that counts as heavier.
+        assert_eq!(weights(&contact), [1000.0, 250.0, 250.0, 62.5, 15.625]);
     }
 
     #[test]
