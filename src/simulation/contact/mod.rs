@@ -260,8 +260,8 @@ impl Contact {
         if searched {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
         }
-        let rests = setting.can_rest && setting.kick != DVec2::ZERO;
-        if (self.weigh_balls(searched) || searched) && rests {
+        let presses = setting.can_rest && setting.kick != DVec2::ZERO;
+        if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
         }
     }

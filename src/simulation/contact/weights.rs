@@ -11,8 +11,8 @@ use super::holds::Hold;
 use super::sleep::Rest;
 use super::{Body, Contact, DVec2, Setting};
 
-/// No ball counts as less than the fourth part as dense as one above or beside it counts, or as heavy where that is less. With a tenth, light
-/// balls are squeezed twice as deep.
+/// No ball counts as less than the fourth part as dense as one above or beside it counts, or as heavy where that is less.
+/// With a tenth, light balls are squeezed twice as deep.
 const HEAVIER: f64 = 4.0;
 /// Balls are weighed anew after so many substeps, and where pairs were searched.
 const PERIOD: u64 = 8;
@@ -198,13 +198,13 @@ fn will_press(setting: &Setting, first: &Body, second: &Body) -> bool {
     closing < 0.0 && end.length_squared() < reach * reach
 }
 
-/// Lets the lower of two balls count as heavier where it is too light for the upper one. Whether it was.
-fn make_heavier(bodies: &[Body], counted: &mut [f64], upper: usize, lower: usize) -> bool {
-    let ratio = (bodies[upper].radius / bodies[lower].radius).max(1.0);
-    let most = HEAVIER * ratio * ratio * counted[upper];
-    let too_light = most > 0.0 && counted[lower] > most;
+/// Lets one ball count as heavier where it is too light for what another counts with. Whether it was.
+fn make_heavier(bodies: &[Body], counted: &mut [f64], heavy: usize, light: usize) -> bool {
+    let ratio = (bodies[heavy].radius / bodies[light].radius).max(1.0);
+    let most = HEAVIER * ratio * ratio * counted[heavy];
+    let too_light = most > 0.0 && counted[light] > most;
     if too_light {
-        counted[lower] = most;
+        counted[light] = most;
     }
     too_light
 }
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn weight_is_passed_on_to_what_is_below_and_never_up() {
+    fn weight_is_passed_on_to_what_is_below_and_not_to_what_lies_on_a_ball_that_only_is_heavy() {
         let column = [(5.0, 1.0), (5.0, 4096.0), (5.0, 1.0), (5.0, 1.0), (5.0, 1.0)];
         assert_eq!(weights_in_column(&column), [1.0, 4096.0, 1024.0, 256.0, 64.0]);
     }

@@ -284,7 +284,7 @@ impl Calendar {
             room[kept] = entry;
             kept += usize::from(holds(&entry));
         }
-        let entries = &mut room[..kept];
+        let entries = &room[..kept];
         self.today.clear();
         self.today.extend_from_slice(entries);
         if kept <= FEW {
