@@ -1,4 +1,4 @@
-//! What the contact solver costs, and what it keeps: `cargo bench --bench contact -- [gas|pile|rest|mixed|demo|heavy|column|threads] [N]`.
+//! What the contact solver costs, and what it keeps: `cargo bench --bench contact -- [gas|pile|fall|rest|mixed|demo|heavy|column|threads] [N]`.
 //! With `--features parallel` the last compares numbers of threads.
 
 use std::time::Instant;
@@ -46,6 +46,11 @@ fn main() {
             threads(count);
         }
     }
+    if wanted("fall") {
+        for count in counts(&[10_000]) {
+            fall(count);
+        }
+    }
     if wanted("demo") {
         demo();
     }
@@ -78,17 +83,23 @@ fn fastest(simulation: &Simulation) -> f64 {
     simulation.balls().iter().map(|ball| ball.velocity().length()).fold(0.0, f64::max)
 }
 
+/// By how much touching pairs overlap, as parts of the smaller radius.
+fn overlaps(simulation: &Simulation) -> Vec<f64> {
+    let (balls, mut overlaps) = (simulation.balls(), Vec::new());
+    Grid::new(balls, simulation.world().size()).for_each(balls, |i, j| {
+        let (a, b) = (&balls[i as usize], &balls[j as usize]);
+        let overlap = a.radius() + b.radius() - a.position().distance(b.position());
+        overlaps.push(overlap / a.radius().min(b.radius()));
+    });
+    overlaps
+}
+
 /// Mean overlap of touching pairs, the largest, the largest speed.
 fn quality(simulation: &Simulation) -> (f64, f64, f64) {
-    let balls = simulation.balls();
-    let mut grid = Grid::new(balls, simulation.world().size());
-    let (mut sum, mut count) = (0.0, 0);
-    grid.for_each(balls, |i, j| {
-        let (a, b) = (&balls[i as usize], &balls[j as usize]);
-        sum += (a.radius() + b.radius() - a.position().distance(b.position())) / a.radius().min(b.radius());
-        count += 1;
-    });
-    (sum / f64::from(count.max(1)), max_overlap(&mut grid, balls), fastest(simulation))
+    let overlaps = overlaps(simulation);
+    let (balls, size) = (simulation.balls(), simulation.world().size());
+    let most = max_overlap(&mut Grid::new(balls, size), balls);
+    (overlaps.iter().sum::<f64>() / overlaps.len().max(1) as f64, most, fastest(simulation))
 }
 
 fn gas_scene(count: usize) -> Scene {
@@ -285,4 +296,30 @@ fn heavy(mass: f64) {
 
 fn column(count: usize, top: f64) {
     stand(&format!("column {count}, top {top}"), tower(count, top));
+}
+
+/// What a pile costs while it falls, in each half of a second the best of some runs, and how many pairs lie in each other
+/// by more than these parts of a radius meanwhile, in all frames.
+fn fall(count: usize) {
+    const HALVES: usize = 4;
+    const DEEP: [f64; 3] = [0.2, 0.5, 1.0];
+    let mut best = [f64::INFINITY; HALVES];
+    let mut deep = [0; DEEP.len()];
+    for run in 0..3 {
+        let mut simulation = pile_scene(count, 1).build().unwrap().with_sleep(false);
+        for best in &mut best {
+            let mut ns = 0.0;
+            for _ in 0..30 {
+                ns += seconds(&mut simulation, FRAME) / 30.0;
+                if run == 0 {
+                    for (deep, least) in deep.iter_mut().zip(DEEP) {
+                        *deep += overlaps(&simulation).iter().filter(|&&overlap| overlap > least).count();
+                    }
+                }
+            }
+            *best = best.min(ns);
+        }
+    }
+    let mean = best.iter().sum::<f64>() / HALVES as f64;
+    println!("fall {count}: {best:.0?} ns, {mean:.0} in the mean; deeper than {DEEP:?}: {deep:?} pairs");
 }

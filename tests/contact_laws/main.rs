@@ -112,25 +112,47 @@ fn free_flight_follows_the_parabola_whatever_the_frames() {
     }
 }
 
-/// The state after two seconds in frames of these deltas.
-fn after_two_seconds(deltas: impl IntoIterator<Item = f64>) -> Vec<Ball> {
-    let mut simulation = Scene::load("gravity").unwrap().with_solver(Solver::Contact).build().unwrap();
+/// The state of a scene after some seconds in frames of these deltas.
+fn after(seconds: f64, scene: &Scene, deltas: impl IntoIterator<Item = f64>) -> Vec<Ball> {
+    let mut simulation = scene.build().unwrap();
     for delta in deltas {
         simulation.advance(delta).unwrap();
     }
-    assert!((simulation.time() - 2.0).abs() < 1e-9);
+    assert!((simulation.time() - seconds).abs() < 1e-9);
     simulation.balls().to_vec()
 }
 
 #[test]
 fn the_result_does_not_depend_on_how_time_is_cut_into_frames() {
-    let once = after_two_seconds([2.0]);
+    let scene = Scene::load("gravity").unwrap().with_solver(Solver::Contact);
+    let once = after(2.0, &scene, [2.0]);
     for rate in [24, 60, 75, 144, 240, 1000] {
         let frames = std::iter::repeat_n(1.0 / f64::from(rate), 2 * rate as usize);
-        assert_eq!(after_two_seconds(frames), once, "{rate} frames a second");
+        assert_eq!(after(2.0, &scene, frames), once, "{rate} frames a second");
     }
     let irregular = [0.0, 0.3, 0.001, 0.699, 1e-9, 1.0 - 1e-9];
-    assert_eq!(after_two_seconds(irregular), once);
+    assert_eq!(after(2.0, &scene, irregular), once);
+}
+
+/// Many that fall: substeps are halved while many are hit, and whole before and after.
+fn many() -> Scene {
+    let text = "solver = \"contact\"\nsize = [400, 300]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n\
+                [[fill]]\ncount = 300\nradius = [4, 8]\nrestitution = 0.7\n";
+    Scene::parse("many", text).unwrap()
+}
+
+#[test]
+fn the_result_for_many_does_not_depend_on_frames_that_end_within_substeps() {
+    let scene = many();
+    for seconds in [0.25, 1.0 + 1.0 / 240.0, 3.0] {
+        let once = after(seconds, &scene, [seconds]);
+        for rate in [24.0, 60.0, 144.0, 240.0, 1000.0] {
+            let whole = (seconds * rate) as usize;
+            let rest = seconds - whole as f64 / rate;
+            let frames = std::iter::repeat_n(1.0 / rate, whole).chain([rest]);
+            assert_eq!(after(seconds, &scene, frames), once, "{seconds} s at {rate} frames a second");
+        }
+    }
 }
 
 #[test]
@@ -387,22 +409,24 @@ fn contact_agrees_with_exact_until_chaos_parts_them() {
 
 #[test]
 fn a_run_that_is_stopped_goes_on_from_there() {
-    let whole = after_two_seconds([2.0]);
-    let mut simulation = Scene::load("gravity").unwrap().with_solver(Solver::Contact).build().unwrap();
-    let mut left = 2.0;
-    while left > 1e-9 {
-        let mut looks = 0;
-        let done = simulation
-            .advance_while(left, || {
-                looks += 1;
-                looks < 7
-            })
-            .unwrap();
-        assert!(done > 0.0);
-        left -= done;
+    for scene in [Scene::load("gravity").unwrap().with_solver(Solver::Contact), many()] {
+        let whole = after(2.0, &scene, [2.0]);
+        let mut simulation = scene.build().unwrap();
+        let mut left = 2.0;
+        while left > 1e-9 {
+            let mut looks = 0;
+            let done = simulation
+                .advance_while(left, || {
+                    looks += 1;
+                    looks < 7
+                })
+                .unwrap();
+            assert!(done > 0.0);
+            left -= done;
+        }
+        let apart = whole.iter().zip(simulation.balls()).map(|(a, b)| a.position().distance(b.position()));
+        assert!(apart.fold(0.0, f64::max) < 1e-6);
     }
-    let apart = whole.iter().zip(simulation.balls()).map(|(a, b)| a.position().distance(b.position()));
-    assert!(apart.fold(0.0, f64::max) < 1e-6);
 }
 
 /// The largest distance between places of the same ball.

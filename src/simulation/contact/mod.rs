@@ -1,4 +1,5 @@
-//! The `contact` solver: fixed substeps in which all contacts are solved together.
+//! The `contact` solver: substeps in which all contacts are solved together, two to four in a 60th of a second
+//! (`substeps`).
 //!
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
@@ -32,6 +33,7 @@ mod order;
 mod show;
 mod sleep;
 mod stripes;
+mod substeps;
 mod support;
 mod sweep;
 mod take_up;
@@ -54,27 +56,16 @@ use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
 use sleep::Rest;
+pub(super) use substeps::{BEATS, FEWEST, MOST};
+use substeps::{Softness, Substeps};
 use support::{give, two};
 use sweep::{Pass, Share};
 use team::Team;
 use turns::Course;
 
-/// Substeps in a second: four in a frame at 60 Hz, one in a frame at 240 Hz; more where gravity is strong.
-pub(super) const RATE: u32 = 240;
-/// Gravity moves a ball at rest by at most this part of the smallest radius in a substep: else what falls within one
-/// would count for more than what is held.
-const SINKING: f64 = 0.01;
-/// ... as long as substeps are not shortened more than so many times.
-const MOST_SHORTENED: f64 = 1024.0;
-
-/// Overlaps are taken away at this many sums of both radii a second at most, and faster where gravity asks for shorter
-/// substeps: what starts in an overlap parts, and is not shot away.
-const MENDING: f64 = 4.0;
-
-/// A pair that holds each other bounces only where it meets faster than so many kicks of gravity ...
-const FIRM: f64 = 2.0;
-/// ... and this part of the velocity that the hold gives it in a substep, but no more than so many kicks: under a great
-/// load, what is left to be found of that is no impact.
+/// A pair that holds each other bounces only where it meets faster than [`Setting::firm`] and this part of the velocity
+/// that the hold gives it in a substep, but no more than so many kicks of gravity: under a great load, what is left to be
+/// found of that is no impact.
 const PRESSED: (f64, f64) = (0.2, 200.0);
 
 /// A ball that an impact shifts by less than this part of its radius counts as not shifted.
@@ -86,6 +77,7 @@ struct Setting {
     size: DVec2,
     /// The walls' restitution.
     walls: Option<f64>,
+    gravity: DVec2,
     /// The length of a substep, s.
     substep: f64,
     /// By what gravity changes a velocity in a substep, px/s.
@@ -98,6 +90,8 @@ struct Setting {
     mending: f64,
     /// Impacts slower than this are not counted, px/s.
     rest_speed: f64,
+    /// How contacts give way.
+    softness: Softness,
 }
 
 /// The solver.
@@ -105,8 +99,7 @@ struct Setting {
 pub(super) struct Contact {
     setting: Setting,
     tuning: Tuning,
-    /// Substeps in a second.
-    rate: u32,
+    substeps: Substeps,
     bodies: Vec<Body>,
     restitutions: Vec<f64>,
     /// Which ball each body is: bodies stand in the order of their places.
@@ -119,6 +112,8 @@ pub(super) struct Contact {
     sleeps: bool,
     /// Whether all do.
     all_asleep: bool,
+    /// How many did when that was last looked at.
+    asleep: usize,
     near: Option<Near>,
     team: Team,
     /// Whether balls notice each other.
@@ -130,7 +125,7 @@ pub(super) struct Contact {
     shown: Option<Grid>,
     /// What happened to each body since the last frame.
     hit: Vec<bool>,
-    /// Substeps taken.
+    /// How many of the steps in which time is counted are over.
     steps: u64,
     /// Position and velocity of each body one substep ago, while the frame lies within the last substep.
     before: Vec<(DVec2, DVec2)>,
@@ -139,29 +134,19 @@ pub(super) struct Contact {
 
 impl Contact {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
-        let rate = rate(world, balls, tuning);
-        let substep = 1.0 / f64::from(rate);
-        let kick = world.gravity.unwrap_or_default() * substep;
         let pairs = has_pairs(world, balls);
-        let setting = Setting {
-            size: world.size,
-            walls: world.walls,
-            substep,
-            kick,
-            can_rest: can_rest(world, balls),
-            firm: FIRM * kick.length(),
-            mending: MENDING * (f64::from(rate) / f64::from(RATE)).max(1.0),
-            // Without gravity there is no chatter to be left out.
-            rest_speed: if kick == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
-        };
+        let substeps = Substeps::new(world, balls, tuning);
+        let setting = Setting::new(world, can_rest(world, balls), &substeps, tuning);
+        let kick = setting.kick;
         let bodies: Vec<_> = balls.iter().map(|ball| Body::new(ball, kick)).collect();
         Self {
             setting,
             tuning,
-            rate,
+            substeps,
             rests: bodies.iter().map(Rest::new).collect(),
             sleeps: tuning.sleep && kick != DVec2::ZERO,
             all_asleep: false,
+            asleep: 0,
             bodies,
             restitutions: balls.iter().map(|ball| ball.restitution).collect(),
             ids: (0..balls.len() as u32).collect(),
@@ -182,6 +167,7 @@ impl Contact {
     /// One substep.
     #[inline]
     fn step(&mut self, tally: &mut Tally) {
+        self.change_length();
         self.accelerate();
         self.find();
         self.impacts(tally);
@@ -204,7 +190,8 @@ impl Contact {
         if self.near.is_none() {
             self.fly();
         }
-        self.steps += 1;
+        self.steps += self.substeps.length();
+        self.look_for_calm();
         self.fall_asleep();
     }
 
@@ -264,6 +251,11 @@ impl Contact {
         if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
         }
+    }
+
+    /// Goes on to the end of the substep that this step is in, while nothing moves.
+    fn sleep_until(&mut self, step: u64) {
+        self.steps = step.next_multiple_of(self.substeps.next_length());
     }
 
     /// Moves balls that meet nothing.
@@ -341,37 +333,26 @@ fn has_pairs(world: &World, balls: &[Ball]) -> bool {
     world.pairs == Some(Pairs::Impulse) && balls.len() > 1
 }
 
-/// Substeps in a second that suit these balls under this gravity, unless something else was asked for.
-fn rate(world: &World, balls: &[Ball], tuning: Tuning) -> u32 {
-    if let Some(substeps) = tuning.substeps {
-        return substeps;
-    }
-    let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
-    let pull = world.gravity.unwrap_or_default().length();
-    let least = (pull / (SINKING * smallest)).sqrt();
-    let times = (least / f64::from(RATE)).ceil().clamp(1.0, MOST_SHORTENED);
-    RATE * times as u32
-}
-
 impl Advance for Contact {
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
         let (from, target) = (self.clock, self.clock.after(seconds));
-        let (whole, rest) = target.steps(self.rate);
-        let last = whole + u64::from(rest > 0.0);
+        let (over, rest) = target.steps(self.substeps.rate);
+        let last = over + u64::from(rest > 0.0);
         if self.all_asleep && self.before.is_empty() {
             // Nothing moves, and what was shown still stands.
-            (self.steps, self.clock) = (last, target);
+            self.sleep_until(last);
+            self.clock = target;
             return seconds;
         }
         let mut stopped = false;
         while self.steps < last && !stopped {
             if self.all_asleep {
                 self.before.clear();
-                self.steps = last;
+                self.sleep_until(last);
                 break;
             }
             self.before.clear();
-            if self.steps == whole {
+            if self.steps + self.substeps.next_length() > over {
                 self.find_held();
                 let bodies = self.bodies.iter().enumerate();
                 let before: Vec<_> =
@@ -388,22 +369,25 @@ impl Advance for Contact {
             stopped = !go_on();
         }
         if self.steps < last {
-            self.clock = Clock::at_step(self.steps, self.rate).max(from);
+            self.clock = Clock::at_step(self.steps, self.substeps.rate).max(from);
             self.show(frame, 0.0);
             self.clock.seconds_since(from)
         } else {
             self.clock = target;
-            if rest == 0.0 {
+            if rest == 0.0 && self.steps == over {
                 self.before.clear();
             }
-            self.show(frame, rest);
+            // Since the last substep began, which may be over by now or not.
+            let began = self.steps.saturating_sub(self.substeps.length());
+            let passed = over.saturating_sub(began) as f64 + rest * f64::from(self.substeps.rate);
+            self.show(frame, passed / self.substeps.length() as f64);
             seconds
         }
     }
 
     fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
         let tuning = self.tuning;
-        if rate(world, balls, tuning) != self.rate
+        if Substeps::new(world, balls, tuning).rate != self.substeps.rate
             || has_pairs(world, balls) != self.pairs
             || can_rest(world, balls) != self.setting.can_rest
             || self.shown.is_some()

@@ -42,7 +42,7 @@ impl Contact {
         body.inverse_mass > 0.0 && body.velocity == body.free && !was_hit && self.held.get(at) != Some(&true)
     }
 
-    /// A body's position and velocity, this share of a substep after the last whole one but one where that is not 0.
+    /// A body's position and velocity at the end of the last substep, or after this share of it.
     #[inline]
     fn seen(&self, at: usize, share: f64) -> (DVec2, DVec2) {
         let (position, velocity) = (self.bodies[at].position, self.velocity_between(at));
@@ -55,10 +55,9 @@ impl Contact {
         (between, had.lerp(velocity, share))
     }
 
-    /// Shows the balls as they are at the clock's time, `since` s after the last whole substep but one where that is
-    /// not 0. This evaluates, and never writes back.
-    pub(super) fn show(&mut self, frame: &mut Frame<'_>, since: f64) {
-        let share = since * f64::from(self.rate);
+    /// Shows the balls as they are at the clock's time, after this share of the last substep where `before` tells of its
+    /// beginning. This evaluates, and never writes back.
+    pub(super) fn show(&mut self, frame: &mut Frame<'_>, share: f64) {
         self.find_held_by_balls();
         for (hit, &held) in self.hit.iter_mut().zip(&self.held) {
             *hit |= held;

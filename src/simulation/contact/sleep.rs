@@ -10,6 +10,7 @@ use glam::DVec2;
 use super::holds::Given;
 use super::loads::Resting;
 use super::stripes::Stripes;
+use super::substeps::Substeps;
 use super::thrown::THROWN;
 use super::{Body, Contact};
 
@@ -70,21 +71,27 @@ impl Rest {
 impl Contact {
     /// Lets balls fall asleep that have rested for a while.
     pub(super) fn fall_asleep(&mut self) {
-        let window = ((WINDOW * f64::from(self.rate)).ceil() as u64).max(LEAST_WINDOW);
         if !self.sleeps {
             return;
         }
-        match self.steps % window {
-            0 => self.put_to_sleep(window),
-            step if step == window * EIGHTHS / 8 => self.find_swinging(window),
-            step if step == window - 1 => self.note_places(),
-            _ => {}
+        let window = ((WINDOW * f64::from(self.substeps.rate)).ceil() as u64).max(LEAST_WINDOW);
+        let length = self.substeps.length();
+        let (now, before) = (self.steps % window, (self.steps - length) % window);
+        let swings = window * EIGHTHS / 8;
+        if now < length {
+            self.put_to_sleep(window);
+        } else if before < swings && swings <= now {
+            self.find_swinging(window);
+        } else if now + self.substeps.next_length() >= window {
+            self.note_places();
         }
     }
 
     /// How far a ball at rest may drift in a window of so many substeps, px.
     fn drift(&self, window: u64) -> f64 {
-        DRIFT * self.setting.kick.length() * window as f64 * self.setting.substep
+        let Substeps { rate, .. } = self.substeps;
+        let kick = self.setting.gravity.length() * self.substeps.shortest() as f64 / f64::from(rate);
+        DRIFT * kick * window as f64 / f64::from(rate)
     }
 
     /// Notes which balls are elsewhere than when their rest was last looked at.
@@ -137,6 +144,7 @@ impl Contact {
         near.take_loads(&loads, rests);
         self.wake_around_restless();
         self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.counted == 0.0);
+        self.asleep = self.rests.iter().filter(|rest| rest.asleep).count();
     }
 
     /// Wakes a ball that is moved from outside.

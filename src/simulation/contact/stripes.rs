@@ -98,6 +98,7 @@ impl Stripe {
         self.strays.clear();
         self.leaving.clear();
         self.disturbed.clear();
+        self.shifted = 0;
     }
 
     /// Whether it has neither pairs nor anything beside a wall.

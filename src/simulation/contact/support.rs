@@ -15,19 +15,11 @@ use super::find::{FEW, Near};
 use super::holds::{Hold, Pair};
 use super::layout::Layer;
 use super::stripes::Stripe;
+use super::substeps::Softness;
 use super::sweep::{Pass, Share};
 use super::wall_support::{hold_on_walls, relax_on_walls};
 use super::{Body, Contact, Setting};
 
-/// The part of an overlap that is taken away in a substep.
-pub(super) const MENDED: f64 = 0.3;
-/// How much an impulse gives way, as a part of itself. With [`MENDED`] it makes contacts springs that are damped more
-/// than enough: a pair that carries the weight of N balls of its own mass overlaps by about N·g·h²·SOFT/MENDED.
-const SOFT: f64 = 0.006;
-/// What is left of an impulse that gives way.
-pub(super) const YIELDING: f64 = 1.0 / (1.0 + SOFT);
-/// The same where few of many are awake: what sleepers squeeze would overlap them too deeply to sleep, too.
-const YIELDING_OF_FEW: f64 = 1.0 / (1.0 + 0.25 * SOFT);
 /// The part of slow sliding of balls that press on each other that is taken away in a substep.
 const DAMPED: f64 = 0.1;
 /// Rounds over the pairs of one ball, where each may undo some of what the others did.
@@ -48,15 +40,16 @@ impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
         let few = self.bodies.len() <= FEW;
+        let Softness { yielding, yielding_of_few, .. } = self.setting.softness;
         let (rounds, settled, left) = match self.near.as_ref() {
             // Nothing presses: overlaps are only moved out of.
-            _ if self.setting.kick == DVec2::ZERO => (1, SETTLED, YIELDING),
+            _ if self.setting.kick == DVec2::ZERO => (1, SETTLED, yielding),
             // It does not settle before there is room again.
-            Some(near) if near.crowd => (1, SETTLED, YIELDING),
-            _ if few => (ROUNDS_OF_FEW, SETTLED_OF_FEW, YIELDING),
+            Some(near) if near.crowd => (1, SETTLED, yielding),
+            _ if few => (ROUNDS_OF_FEW, SETTLED_OF_FEW, yielding),
             // As many as few balls may have: the others fly, or sleep.
-            Some(near) if near.touched <= 3 * FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, YIELDING_OF_FEW),
-            _ => (ROUNDS, SETTLED, YIELDING),
+            Some(near) if near.touched <= 3 * FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, yielding_of_few),
+            _ => (ROUNDS, SETTLED, yielding),
         };
         let most = settled / self.setting.substep;
         let inward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
@@ -120,7 +113,7 @@ impl Pass<'_> {
         only_busy: true,
         work: &|setting, stripe, share| {
             if setting.kick != DVec2::ZERO && stripe.shifted * MANY > share.bodies.len() {
-                stripe.press_outward(share.bodies, YIELDING);
+                stripe.press_outward(share.bodies, setting.softness.yielding);
                 hold_on_walls(setting, share.bodies, &mut stripe.beside);
             }
         },

@@ -14,7 +14,7 @@ use super::holds::{Hold, Marks, Pair};
 use super::impacts::{Fate, Shift};
 use super::meeting::COINCIDENT;
 use super::stripes::Stripe;
-use super::support::{MENDED, YIELDING, deal, give, press, two};
+use super::support::{deal, give, press, two};
 use super::sweep::Share;
 use super::{Body, Setting};
 
@@ -200,9 +200,9 @@ fn follow(
     // Without a branch: which pairs overlap cannot be foreseen by a processor.
     let out = reach - distance;
     let mut turned = *hold;
-    turned.least = setting.least_parting(lesser(MENDED * out, out), reach);
+    turned.least = setting.least_parting(lesser(setting.softness.mended * out, out), reach);
     give(turned.turn(offset / distance), first, second);
-    press(&mut turned, first, second, YIELDING);
+    press(&mut turned, first, second, setting.softness.yielding);
     *hold = turned;
 }
 
@@ -270,16 +270,16 @@ fn take_up(
         };
         if setting.kick == DVec2::ZERO {
             // Nothing presses them together again: they are moved, and need no velocity.
-            let moved = normal * (MENDED * deep * hold.mass);
+            let moved = normal * (setting.softness.mended * deep * hold.mass);
             first.position += moved * first.inverse_mass;
             second.position -= moved * second.inverse_mass;
             0.0
         } else {
-            MENDED * deep
+            setting.softness.mended * deep
         }
     };
     hold.least = setting.least_parting(way, reach);
-    press(hold, first, second, YIELDING);
+    press(hold, first, second, setting.softness.yielding);
     true
 }
 
@@ -295,7 +295,7 @@ fn hold_at_end(setting: &Setting, hold: &mut Hold, first: &mut Body, second: &mu
     give(hold.turn(normal), first, second);
     let stands = (first.position - second.position).dot(normal);
     hold.least = setting.least_parting(reach - stands, reach);
-    press(hold, first, second, YIELDING);
+    press(hold, first, second, setting.softness.yielding);
     true
 }
 

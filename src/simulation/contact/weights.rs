@@ -14,7 +14,7 @@ use super::{Body, Contact, DVec2, Setting};
 /// No ball counts as less than the fourth part as dense as one above or beside it counts, or as heavy where that is less.
 /// With a tenth, light balls are squeezed twice as deep.
 const HEAVIER: f64 = 4.0;
-/// Balls are weighed anew after so many substeps, and where pairs were searched.
+/// Balls are weighed anew after so many of the shortest substeps, and where pairs were searched.
 const PERIOD: u64 = 8;
 /// A ball lies on another where their heights differ by more than this part of what they reach: what slides off one that
 /// stands still leaves it there. Balls side by side pass weight on to each other.
@@ -40,7 +40,7 @@ impl Contact {
         if searched {
             // Without gravity nothing presses.
             near.weights.differ = setting.kick != DVec2::ZERO && are_unequal(bodies, rests);
-        } else if !self.steps.is_multiple_of(PERIOD) {
+        } else if !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
             return false;
         }
         near.weights.differ && near.weigh(bodies, rests, setting)
@@ -287,7 +287,7 @@ mod tests {
         contact.find();
         assert_eq!(weights(&contact), [1000.0, 1.0]);
         contact.bodies[0].velocity = DVec2::ZERO;
-        contact.steps = PERIOD;
+        contact.steps = PERIOD * contact.substeps.shortest();
         contact.find();
         assert_eq!(weights(&contact), [1000.0, 250.0]);
     }

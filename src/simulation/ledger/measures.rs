@@ -19,7 +19,9 @@ const INSTANT: f64 = 2.0 * clock::INSTANT;
 
 /// Whether the state is one that the solver has computed: `contact` only shows what lies between two of its substeps.
 pub(super) fn is_whole(simulation: &Simulation) -> bool {
-    let (time, rate) = (simulation.time(), f64::from(substeps(simulation)));
+    // Whatever their lengths, substeps end where beats do.
+    let rate = f64::from(simulation.tuning.substeps.unwrap_or(contact::BEATS));
+    let time = simulation.time();
     let off = time - (time * rate).round() / rate;
     simulation.solver != Solver::Contact || off.abs() <= instant(simulation)
 }
@@ -29,10 +31,14 @@ pub(super) fn instant(simulation: &Simulation) -> f64 {
     INSTANT + EPSILON * simulation.time()
 }
 
-/// The substeps of `contact` in a second: those that it was told, or the fewest that it chooses. It may choose a
-/// multiple of them: then this sees the ends of some only.
+/// The substeps of `contact` in a second: those that it was told, or the fewest that it chooses.
 pub(super) fn substeps(simulation: &Simulation) -> u32 {
-    simulation.tuning.substeps.unwrap_or(contact::RATE)
+    simulation.tuning.substeps.unwrap_or(contact::BEATS * contact::FEWEST)
+}
+
+/// The same, or the most that it chooses where gravity is not strong.
+pub(super) fn most_substeps(simulation: &Simulation) -> u32 {
+    simulation.tuning.substeps.unwrap_or(contact::BEATS * contact::MOST)
 }
 
 /// Whether a ball that flies freely touches no wall for so many seconds: it is never nearer to one than a small part of
@@ -97,7 +103,7 @@ mod tests {
     #[test]
     fn frames_of_whole_substeps_are_states_that_were_computed_for_an_hour() {
         let world = World::new(DVec2::splat(100.0)).unwrap();
-        for frames in [24.0, 60.0, 240.0] {
+        for frames in [20.0, 30.0, 60.0] {
             let mut still =
                 Simulation::new(world, vec![Ball::new(DVec2::splat(50.0), 1.0).unwrap()], Solver::Contact)
                     .unwrap();

@@ -19,8 +19,8 @@ use super::{Simulation, Solver};
 use accounts::{Base, Before};
 pub use law::{Law, Violation};
 use measures::{
-    EPSILON, TOUCH, deepest_overlap, energy_scale, instant, is_whole, momentum_scale, stays_inside, substeps,
-    wall_tolerance,
+    EPSILON, TOUCH, deepest_overlap, energy_scale, instant, is_whole, momentum_scale, most_substeps,
+    stays_inside, substeps, wall_tolerance,
 };
 
 /// How much [`Solver::Contact`] may add to the energy under gravity, as a part of the most that was there.
@@ -270,7 +270,7 @@ impl Ledger {
         // Every substep rounds the place, by half a unit in the last of its digits.
         let substeps_taken = match simulation.solver {
             Solver::Canvas | Solver::Exact => 0.0,
-            Solver::Contact => seconds * f64::from(substeps(simulation)),
+            Solver::Contact => seconds * f64::from(most_substeps(simulation)),
         };
         let drift = EPSILON + 0.5 * f64::EPSILON * substeps_taken;
         let balls = self.before.balls.iter().zip(&simulation.balls).zip(&simulation.touching);

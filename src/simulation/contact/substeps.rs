@@ -1,0 +1,317 @@
+//! How long substeps are: two, three or four in each *beat* of a 60th of a second.
+//!
+//! What flies is followed from impact to impact in any substep, and what lies still needs no short ones. But where many are
+//! hit, a ball may be hit more often than it may in one, and what is left is to be held before it goes far; and the more a
+//! ball carries, the farther it goes for what is left to be found of that load. Few balls cost little, and so do those that
+//! are awake among many asleep: they always take four, as do those that nothing presses together, and balls of unlike materials,
+//! which may carry what is many times as heavy. Where gravity is strong, beats are shorter. They follow each other whatever the frames, so that what comes of them does not depend on these.
+
+use glam::DVec2;
+
+use super::super::Tuning;
+use super::super::ball::Ball;
+use super::super::world::World;
+use super::find::FEW;
+use super::holds::Hold;
+use super::layout::Layer;
+use super::stripes::{Stripe, of_layer};
+use super::{Contact, Setting};
+
+/// Beats in a second, at least.
+pub(in crate::simulation) const BEATS: u32 = 60;
+/// Substeps in a beat: the fewest, and the most, with which all begin.
+pub(in crate::simulation) const FEWEST: u32 = 2;
+pub(in crate::simulation) const MOST: u32 = 4;
+/// The parts of a beat in which time is counted: a multiple of all numbers of substeps.
+const PARTS: u32 = 12;
+
+/// Gravity moves a ball at rest by at most this part of the smallest radius in the shortest substep: else what falls within
+/// one would count for more than what is held.
+const SINKING: f64 = 0.01;
+/// ... as long as substeps are not shortened more than so many times.
+const MOST_SHORTENED: f64 = 1024.0;
+
+/// A beat of long substeps is the last, for now, in one of which impacts shift more than one in so many balls ...
+const MANY_HIT: usize = 16;
+/// ... and the next comes after so many beats in a row in which they shift less than one in so many.
+const FEW_HIT: (u32, usize) = (2, 64);
+/// Substeps are short where more than one in so many balls sleeps, too ...
+const MANY_ASLEEP: usize = 8;
+/// ... and where one carries more than the weight of so many as heavy as itself: the longest suit less than the first number,
+/// a pile of some two thousand, all but the shortest less than the second.
+const CARRIED: [f64; 2] = [128.0, 300.0];
+
+/// Overlaps are taken away at this many sums of both radii a second at most, and faster where gravity asks for shorter
+/// substeps: what starts in an overlap parts, and is not shot away.
+const MENDING: f64 = 4.0;
+/// A pair that holds each other bounces only where it meets faster than so many kicks of gravity.
+const FIRM: f64 = 2.0;
+
+/// How long substeps are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Substeps {
+    /// How many of the steps in which time is counted there are in a second: parts of a beat, or substeps where their number
+    /// was asked for.
+    pub(super) rate: u32,
+    /// How many times shorter than usual beats are; [`None`] where the number of substeps was asked for.
+    shortened: Option<u32>,
+    /// Substeps in the beat that the last one was in, and in that of the next.
+    count: u32,
+    next: u32,
+    /// How many beats have passed since many balls were hit.
+    calm: u32,
+}
+
+/// How contacts give way in a substep.
+///
+/// They are springs that are damped more than enough: a pair that carries the weight of N balls of its own mass overlaps by
+/// about N·g·h²·(1/yielding − 1)/mended in substeps of h seconds. That is the same whatever their length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Softness {
+    /// The part of an overlap that is taken away.
+    pub(super) mended: f64,
+    /// What is left of an impulse that gives way.
+    pub(super) yielding: f64,
+    /// The same where few of many are awake: what sleepers squeeze would overlap them too deeply to sleep, too.
+    pub(super) yielding_of_few: f64,
+}
+
+impl Softness {
+    /// That which suits so many substeps in a beat.
+    fn of(count: u32) -> Self {
+        let (mended, soft) = match count {
+            ..=FEWEST => (0.8, 0.004),
+            3 => (0.6, 0.006),
+            MOST.. => (0.3, 0.006),
+        };
+        Self { mended, yielding: 1.0 / (1.0 + soft), yielding_of_few: 1.0 / (1.0 + 0.25 * soft) }
+    }
+}
+
+impl Substeps {
+    /// Those that suit these balls under this gravity, unless a number was asked for.
+    pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
+        let shortened = tuning.substeps.is_none().then(|| shortened(world, balls));
+        let rate = shortened.map(|times| BEATS * PARTS * times).or(tuning.substeps).unwrap_or_default();
+        Self { rate, shortened, count: MOST, next: MOST, calm: 0 }
+    }
+
+    /// How many of them, or of the shortest, there are in a second.
+    fn per_second(&self) -> u32 {
+        self.shortened.map_or(self.rate, |times| BEATS * times * self.count)
+    }
+
+    /// In how many of the steps in which time is counted a substep is over: the last, and the next.
+    pub(super) fn length(&self) -> u64 {
+        self.length_of(self.count)
+    }
+
+    pub(super) fn next_length(&self) -> u64 {
+        self.length_of(self.next)
+    }
+
+    /// The same of the shortest.
+    pub(super) fn shortest(&self) -> u64 {
+        self.length_of(MOST)
+    }
+
+    fn length_of(&self, count: u32) -> u64 {
+        if self.shortened.is_some() { u64::from(PARTS / count) } else { 1 }
+    }
+}
+
+/// How many times shorter than usual substeps are.
+fn shortened(world: &World, balls: &[Ball]) -> u32 {
+    let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
+    let pull = world.gravity.unwrap_or_default().length();
+    let least = (pull / (SINKING * smallest)).sqrt();
+    (least / f64::from(BEATS * MOST)).ceil().clamp(1.0, MOST_SHORTENED) as u32
+}
+
+impl Setting {
+    pub(super) fn new(world: &World, can_rest: bool, substeps: &Substeps, tuning: Tuning) -> Self {
+        let gravity = world.gravity.unwrap_or_default();
+        let setting = Self {
+            size: world.size,
+            walls: world.walls,
+            gravity,
+            substep: 0.0,
+            kick: DVec2::ZERO,
+            can_rest,
+            firm: 0.0,
+            mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
+            // Without gravity there is no chatter to be left out.
+            rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
+            softness: Softness::of(MOST),
+        };
+        setting.with_length(substeps)
+    }
+
+    /// The same for substeps of another length.
+    fn with_length(self, substeps: &Substeps) -> Self {
+        let substep = 1.0 / f64::from(substeps.per_second());
+        let kick = self.gravity * substep;
+        let softness = Softness::of(substeps.count);
+        Self { substep, kick, firm: FIRM * kick.length(), softness, ..self }
+    }
+}
+
+impl Contact {
+    /// Begins a substep that is longer or shorter than the last one.
+    pub(super) fn change_length(&mut self) {
+        let Self { setting, substeps, bodies, near, .. } = self;
+        if substeps.next == substeps.count {
+            return;
+        }
+        substeps.count = substeps.next;
+        let old = std::mem::replace(setting, setting.with_length(substeps));
+        let ratio = setting.substep / old.substep;
+        for body in bodies {
+            // What is held by others changes by as much as they give and gravity takes: at rest, by nothing.
+            let change = body.change(old.kick);
+            let given = body.velocity - body.free;
+            body.velocity += 0.5 * (1.0 - ratio) * change;
+            body.free = body.velocity - ratio * given;
+        }
+        if let Some(near) = near {
+            for stripe in &mut near.stripes {
+                for hold in &mut stripe.holds {
+                    hold.impulse *= ratio;
+                    hold.grip *= ratio;
+                }
+                for beside in &mut stripe.beside {
+                    beside.push *= ratio;
+                }
+            }
+        }
+    }
+
+    /// Finds out how many substeps the next beat is to have.
+    pub(super) fn look_for_calm(&mut self) {
+        let Self { setting, substeps, bodies, near: Some(near), steps, asleep, .. } = self else { return };
+        if substeps.shortened.is_none() || bodies.len() <= FEW || setting.kick == DVec2::ZERO {
+            return;
+        }
+        let layout = near.layout;
+        let (beats, few) = FEW_HIT;
+        let most = bodies.len() / if substeps.count == MOST { few } else { MANY_HIT };
+        let shifted: usize =
+            of_layer(&mut near.stripes, layout, Layer::Own).map(|stripe| stripe.shifted).sum();
+        if shifted > most {
+            substeps.calm = 0;
+        }
+        if !steps.is_multiple_of(u64::from(PARTS)) {
+            return;
+        }
+        let rough = substeps.calm < beats || near.weights.differ || *asleep * MANY_ASLEEP > bodies.len();
+        let carried =
+            near.stripes.iter().map(Stripe::most_carried).fold(0.0, f64::max) / setting.kick.length();
+        substeps.next = match CARRIED {
+            _ if rough => MOST,
+            [few, _] if carried < few => FEWEST,
+            [_, many] if carried < many => FEWEST + 1,
+            _ => MOST,
+        };
+        substeps.calm = (substeps.calm + 1).min(beats);
+    }
+}
+
+impl Stripe {
+    /// The greatest impulse that holds two of its balls apart, as a velocity of the lighter one or less, px/s.
+    fn most_carried(&self) -> f64 {
+        let carried = |hold: &Hold| 0.5 * hold.impulse / hold.mass;
+        self.holds.iter().map(carried).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Tally;
+    use super::*;
+    use crate::simulation::world::Pairs;
+
+    const GRAVITY: DVec2 = DVec2::new(0.0, 980.0);
+
+    /// Stacks of three beside each other, in walls or falling without any.
+    fn stacks(walls: bool) -> Contact {
+        let world = World::new(DVec2::new(1000.0, 500.0)).unwrap().with_gravity(GRAVITY).unwrap();
+        let world = if walls { world.with_walls(0.5).unwrap() } else { world }.with_pairs(Pairs::Impulse);
+        let place = |k: u32| DVec2::new(30.0 + 40.0 * f64::from(k / 3), 490.0 - 20.0 * f64::from(k % 3));
+        let balls: Vec<_> = (0..60).map(|k| Ball::new(place(k), 10.0).unwrap()).collect();
+        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: false, threads: 1 };
+        Contact::new(&world, &balls, tuning)
+    }
+
+    /// Takes a beat of so many substeps, or of as many as suit; how many these were.
+    fn beat(contact: &mut Contact, count: Option<u32>) -> u64 {
+        contact.substeps.next = count.unwrap_or(contact.substeps.next);
+        let (end, mut taken) = (contact.steps + u64::from(PARTS), 0);
+        while contact.steps < end {
+            contact.step(&mut Tally::default());
+            taken += 1;
+        }
+        assert_eq!(contact.steps, end);
+        taken
+    }
+
+    #[test]
+    fn what_falls_follows_the_parabola_however_long_substeps_are() {
+        let mut falling = stacks(false);
+        let start: Vec<DVec2> = falling.bodies.iter().map(|body| body.position).collect();
+        for (count, beats) in [4, 2, 3, 2, 4, 3].into_iter().cycle().zip(1..=60) {
+            beat(&mut falling, Some(count));
+            let seconds = f64::from(beats) / f64::from(BEATS);
+            for (body, &id) in falling.bodies.iter().zip(&falling.ids) {
+                let fallen = body.position - start[id as usize];
+                let law = 0.5 * GRAVITY * seconds * seconds;
+                assert!(fallen.distance(law) < 1e-9, "{fallen} after {beats} beats");
+            }
+        }
+    }
+
+    #[test]
+    fn what_lies_does_not_stir_where_substeps_become_longer_or_shorter() {
+        let mut lying = stacks(true);
+        for _ in 0..120 {
+            beat(&mut lying, Some(MOST));
+        }
+        let settled = lying.bodies.clone();
+        for count in [2, 4, 3, 2, 3, 4] {
+            beat(&mut lying, Some(count));
+            for (before, after) in settled.iter().zip(&lying.bodies) {
+                assert!(after.velocity.length() < 0.05, "at {} px/s", after.velocity);
+                assert!(after.position.distance(before.position) < 2e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn substeps_are_long_where_little_happens_and_short_where_much_does() {
+        let mut pile = stacks(true);
+        let beats = |pile: &mut Contact| (0..15).map(|_| beat(pile, None)).collect::<Vec<_>>();
+        let still = beats(&mut pile);
+        assert!(still.starts_with(&[4; 2]) && still.ends_with(&[2; 10]), "{still:?}");
+        for (at, body) in pile.bodies.iter_mut().enumerate() {
+            body.velocity.x = if at % 2 == 0 { 900.0 } else { -900.0 };
+            body.free = body.velocity;
+        }
+        let thrown = beats(&mut pile);
+        assert!(thrown[1..].starts_with(&[4; 8]), "{thrown:?}");
+    }
+
+    #[test]
+    fn substeps_are_shorter_where_a_ball_carries_more() {
+        let mut pile = stacks(true);
+        for _ in 0..15 {
+            beat(&mut pile, None);
+        }
+        for (balls, count) in [(100.0, 2), (200.0, 3), (400.0, 4)] {
+            let weight = pile.setting.kick.length();
+            let hold = pile.near.as_mut().unwrap().stripes[0].holds.first_mut().unwrap();
+            // Both of its balls weigh as much as each other.
+            hold.impulse = balls * weight * 2.0 * hold.mass;
+            pile.look_for_calm();
+            assert_eq!(pile.substeps.next, count);
+        }
+    }
+}
