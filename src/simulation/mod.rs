@@ -8,6 +8,7 @@ mod ball;
 mod canvas;
 mod clock;
 mod contact;
+mod elastic;
 mod exact;
 mod fit;
 mod flight;

@@ -7,6 +7,7 @@ use super::Tally;
 use super::ball::Ball;
 use super::canvas::Canvas;
 use super::contact::Contact;
+use super::elastic::Elastic;
 use super::exact::Exact;
 use super::grid::Grid;
 use super::world::World;
@@ -18,7 +19,8 @@ pub enum Solver {
     Canvas,
     /// Event-driven: exact between and at impacts, whatever the frame rate.
     Exact,
-    /// Fixed substeps in which all contacts are solved together: large piles in real time, whatever the frame rate.
+    /// Substeps in which all contacts are solved together: large piles in real time, whatever the frame rate. Elastic balls
+    /// without gravity, which nothing presses together, are moved from impact to impact, as by `Exact`.
     Contact,
 }
 
@@ -130,7 +132,10 @@ impl Solver {
         match self {
             Self::Canvas => Box::new(Canvas::new(world, balls)),
             Self::Exact => Box::new(Exact::new(world, balls, tuning.rest_speed)),
-            Self::Contact => Box::new(Contact::new(world, balls, tuning)),
+            Self::Contact => match Elastic::new(world, balls, tuning) {
+                Some(elastic) => Box::new(elastic),
+                None => Box::new(Contact::new(world, balls, tuning)),
+            },
         }
     }
 }

@@ -6,7 +6,8 @@ use carom::{Scene, Solver};
 
 #[test]
 fn a_picture_a_moment_after_a_substep_is_no_state_that_was_computed() {
-    let mut simulation = Scene::load("gas").unwrap().with_solver(Solver::Contact).build().unwrap();
+    let simulation = Scene::load("gas").unwrap().with_solver(Solver::Contact).build().unwrap();
+    let mut simulation = simulation.with_substeps(240).unwrap();
     for _ in 0..60 {
         simulation.advance(1.0 / 60.0).unwrap();
         let (mut ledger, mut shown) = (Ledger::new(&simulation), simulation.clone());

@@ -366,7 +366,7 @@ impl Stage<'_> {
         fate.hits += 1;
         fate.time = time;
         let was_fast = fate.fast;
-        fate.fast = is_fast(setting, &bodies[at]);
+        fate.fast = is_fast(setting, &bodies[at]) || (was_fast && limits.ended);
         fate.shift.raise(Shift::Far, was_fast || fate.fast);
         if fate.fast && limits.ended {
             end(setting, &mut bodies[at], time);
@@ -374,12 +374,17 @@ impl Stage<'_> {
         limits.exhausted |= limits.exhausts(fate);
     }
 
-    /// Ends the substep at `time` for all fast balls.
+    /// Ends the substep at `time` for all fast balls, and for those that they have hit again and again: a heavy one that
+    /// went on would go through what is about to turn it back.
     pub(super) fn end_fast(&mut self, time: f64) {
-        self.limits.ended = true;
-        for (body, fate) in self.bodies.iter_mut().zip(&*self.fates).filter(|(_, fate)| fate.fast) {
-            // Not before it was last hit, by a stripe by itself.
-            end(self.setting, body, time.max(fate.time));
+        let Self { setting, bodies, fates, limits, .. } = self;
+        limits.ended = true;
+        for (body, fate) in bodies.iter_mut().zip(&mut **fates) {
+            fate.fast |= fate.hits >= limits.most_far;
+            if fate.fast {
+                // Not before it was last hit, by a stripe by itself.
+                end(setting, body, time.max(fate.time));
+            }
         }
     }
 }

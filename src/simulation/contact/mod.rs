@@ -164,6 +164,12 @@ impl Contact {
         }
     }
 
+    /// The same solver at a later time: that at which its balls are as they are, or up to a substep before it.
+    pub(super) fn starting_at(self, clock: Clock) -> Self {
+        let (steps, _) = clock.steps(self.substeps.rate);
+        Self { clock, steps: steps - steps % self.substeps.next_length(), ..self }
+    }
+
     /// One substep.
     #[inline]
     fn step(&mut self, tally: &mut Tally) {
@@ -322,7 +328,7 @@ impl Pass<'_> {
 }
 
 /// Whether balls can come to rest.
-fn can_rest(world: &World, balls: &[Ball]) -> bool {
+pub(super) fn can_rest(world: &World, balls: &[Ball]) -> bool {
     let takes_energy =
         world.walls.is_some_and(|e| e < 1.0) || balls.iter().any(|ball| ball.restitution < 1.0);
     world.gravity.is_some() || takes_energy

@@ -50,6 +50,8 @@ impl Exact {
             latest: 0.0,
             instant: 0.0,
             at_once: 0,
+            short_years: 0,
+            gives_up: false,
             unwatched: 0,
             credit: 0,
             beside: false,

@@ -81,6 +81,9 @@ pub(super) struct Exact {
     instant: f64,
     /// How many events it has had so far.
     at_once: usize,
+    /// How many years have been short one after the other, and whether it stops after some of them.
+    short_years: usize,
+    gives_up: bool,
     /// Whether a ball that was looked at since this was cleared touches another one.
     beside: bool,
     /// Events taken since the caller's watch was looked at.
@@ -109,6 +112,11 @@ const LEAN: f64 = 8.0;
 const SHORTEST_YEAR: f64 = 1.0 / (1_u64 << 58) as f64;
 /// The longest year, s.
 const LONGEST_YEAR: f64 = 16.0;
+/// A year, about an impact for each ball, is short where it takes less than so many seconds ...
+const SHORT_YEAR: f64 = 1.0 / 2048.0;
+/// ... and so many of them in a row are more than can be followed, or as many more as have so many impacts among few balls.
+const RUSHED: usize = 64;
+const RUSHED_IMPACTS: usize = 1 << 20;
 /// The most events that are saved up for the search for groups at rest.
 const MOST_CREDIT: i64 = 1024;
 /// So many balls, their cells and their days do not stay in the caches near the processor.
@@ -189,7 +197,12 @@ impl Exact {
         loop {
             match self.take_events::<N>(frame.tally, target.shown_since(self.origin), go_on) {
                 None => return target,
-                Some(Pause::NewYear(time)) => self.begin_year(time),
+                Some(Pause::NewYear(time)) => {
+                    self.begin_year(time);
+                    if self.is_outrun() {
+                        return self.origin.min(target).max(self.clock);
+                    }
+                }
                 Some(Pause::Stopped(time)) => {
                     return self.origin.shown_before(time).min(target).max(self.clock);
                 }
@@ -291,6 +304,7 @@ impl Exact {
         if self.span < 0.75 * suggested && self.span < LONGEST_YEAR {
             self.span *= 2.0;
         }
+        self.short_years = if time < SHORT_YEAR { self.short_years + 1 } else { 0 };
         self.hits = 0;
         self.latest -= time;
         self.instant -= time;
@@ -321,6 +335,21 @@ impl Exact {
         for &(_, prop) in &self.propped {
             frame.touching[self.ids[prop as usize] as usize] = true;
         }
+    }
+
+    /// The same solver that stops where there are more impacts than can be followed.
+    pub(super) fn while_it_keeps_up(self) -> Self {
+        Self { gives_up: true, ..self }
+    }
+
+    /// The time that it has come to.
+    pub(super) fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    /// Whether it has stopped, for good.
+    pub(super) fn is_outrun(&self) -> bool {
+        self.gives_up && self.short_years >= RUSHED.max(RUSHED_IMPACTS / self.flights.len().max(FEWEST))
     }
 
     /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.
