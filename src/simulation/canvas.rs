@@ -94,7 +94,7 @@ impl Advance for Canvas {
         seconds
     }
 
-    fn set_velocity(&mut self, _: usize, _: &Ball) -> bool {
+    fn set_velocity(&mut self, _: &World, _: &[Ball], _: usize) -> bool {
         // It remembers no velocities.
         true
     }

@@ -280,7 +280,7 @@ impl Simulation {
     pub fn set_velocity(&mut self, index: usize, velocity: DVec2) -> Result<(), OutOfRange> {
         let Some(ball) = self.balls.get_mut(index) else { return Ok(()) };
         *ball = ball.with_velocity(velocity)?;
-        if !self.engine.set_velocity(index, ball) {
+        if !self.engine.set_velocity(&self.world, &self.balls, index) {
             self.rebuild();
         }
         Ok(())

@@ -72,10 +72,21 @@ pub(super) trait Advance: fmt::Debug + Send + Sync {
         false
     }
 
-    /// Takes up the velocity that `ball`, of this index, was given from outside, and returns whether it could; if not,
-    /// it is made anew.
-    fn set_velocity(&mut self, _index: usize, _ball: &Ball) -> bool {
+    /// Takes up the velocity that the ball of this index was given from outside, and returns whether it could; if not, it
+    /// is made anew. `balls` are all of them.
+    fn set_velocity(&mut self, _world: &World, _balls: &[Ball], _index: usize) -> bool {
         false
+    }
+
+    /// The fewest and the most substeps in a second that it takes. [`None`] where it takes none: each state that it shows
+    /// is computed then, as `exact` does or, with `canvas`, as the demo does.
+    fn substeps(&self) -> Option<[u32; 2]> {
+        None
+    }
+
+    /// How far the time that was shown last is from one for which a state was computed, s: not 0 within a substep.
+    fn within_substep(&self) -> f64 {
+        0.0
     }
 
     /// A clone, which goes on exactly as this one does.

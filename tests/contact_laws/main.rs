@@ -291,6 +291,35 @@ fn a_light_ball_turns_a_heavy_one_back_before_the_wall_whatever_its_mass() {
 }
 
 #[test]
+fn a_heavy_ball_that_falls_on_a_light_one_gains_nothing_and_does_not_pass_it() {
+    for e in [1.0, 0.9] {
+        for (mass, others) in [1e2, 1e4, 1e6, 1e8, 1e10, 1e12].into_iter().flat_map(|m| [(m, 0), (m, 50)]) {
+            let heavy = moving(ball(50.0, 300.0, 10.0).with_mass(mass).unwrap(), 0.0, 200.0);
+            let mut balls = vec![ball(50.0, 485.0, 10.0), heavy];
+            balls.extend(
+                (0..others)
+                    .map(|k| ball(200.0 + f64::from(k % 10 * 30), 100.0 + f64::from(k / 10 * 30), 10.0)),
+            );
+            let balls = balls.into_iter().map(|ball| ball.with_restitution(e).unwrap()).collect();
+            let world = world(600.0, 500.0, e).with_gravity(EARTH).unwrap();
+            let mut simulation = simulation(world, balls);
+            let start = energy(&simulation);
+            for frame in 0..600 {
+                simulation.advance(FRAME).unwrap();
+                let now = energy(&simulation) / start;
+                assert!(now < 1.01, "{mass:e} beside {others}, restitution {e}, frame {frame}: {now}");
+                if (mass, e) == (1e2, 1.0) && others == 0 {
+                    assert!(now > 0.9999, "frame {frame}: {now}");
+                }
+                let [light, heavy, ..] = simulation.balls() else { panic!("there are two balls") };
+                let gap = light.position().y - heavy.position().y - 20.0;
+                assert!(gap > -0.2, "{mass:e} beside {others}, restitution {e}, frame {frame}: {gap} px");
+            }
+        }
+    }
+}
+
+#[test]
 fn thousands_that_are_thrown_at_the_floor_lie_on_each_other_and_not_in_each_other() {
     let balls = (0..2400).map(|k| {
         let (k, column, row) = (f64::from(k), f64::from(k % 60), f64::from(k / 60));

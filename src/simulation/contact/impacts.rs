@@ -329,7 +329,10 @@ impl Stage<'_> {
             What::Wall(spot) => {
                 let beside = stripes.list[spot.stripe as usize].beside[spot.at as usize];
                 let body = stripes.layout.start(spot.stripe as usize) + beside.body as usize;
-                let since = self.fates[body].time;
+                let Fate { time: since, fast, .. } = self.fates[body];
+                if fast && self.limits.ended {
+                    return [None; 2];
+                }
                 let ball = (&mut self.bodies[body], self.rests[body].in_impacts());
                 let Some(met) = meet_walls(self.setting, ball, &beside, since, self.tally) else {
                     return [None; 2];
@@ -404,9 +407,15 @@ fn beside(spot: Spot, stripes: &Stripes<'_>) -> usize {
     stripes.layout.start(spot.stripe as usize) + beside.body as usize
 }
 
-/// Ends a body's substep at `time`.
+/// Ends a body's substep at `time`. Gravity does not work on it any more either: it would gain what it does not fall.
 fn end(setting: &Setting, body: &mut Body, time: f64) {
-    body.position -= body.velocity * (setting.substep - time);
+    let place = body.position + body.velocity * time;
+    if body.inverse_mass > 0.0 {
+        let left_out = setting.kick * (1.0 - time / setting.substep);
+        body.velocity -= left_out;
+        body.free -= left_out;
+    }
+    body.position = place - body.velocity * setting.substep;
 }
 
 fn is_fast(setting: &Setting, body: &Body) -> bool {

@@ -56,7 +56,6 @@ use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
 use sleep::Rest;
-pub(super) use substeps::{BEATS, FEWEST, MOST};
 use substeps::{Softness, Substeps};
 use support::{give, two};
 use sweep::{Pass, Share};
@@ -127,6 +126,8 @@ pub(super) struct Contact {
     hit: Vec<bool>,
     /// How many of the steps in which time is counted are over.
     steps: u64,
+    /// By how much the first substep is shorter than others because balls were there only after it had begun, s.
+    late: f64,
     /// Position and velocity of each body one substep ago, while the frame lies within the last substep.
     before: Vec<(DVec2, DVec2)>,
     clock: Clock,
@@ -159,15 +160,21 @@ impl Contact {
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
             hit: vec![false; balls.len()],
             steps: 0,
+            late: 0.0,
             before: Vec::new(),
             clock: Clock::default(),
         }
     }
 
-    /// The same solver at a later time: that at which its balls are as they are, or up to a substep before it.
-    pub(super) fn starting_at(self, clock: Clock) -> Self {
-        let (steps, _) = clock.steps(self.substeps.rate);
-        Self { clock, steps: steps - steps % self.substeps.next_length(), ..self }
+    /// The same solver at a later time, at which its balls are as they are: its first substep is what is left of the one
+    /// that this time lies in. Nothing must press on anything.
+    pub(super) fn starting_at(mut self, clock: Clock) -> Self {
+        let rate = self.substeps.rate;
+        let (steps, since) = clock.steps(rate);
+        let within = steps % self.substeps.next_length();
+        self.late = within as f64 / f64::from(rate) + since;
+        self.setting.substep -= self.late;
+        Self { clock, steps: steps - within, ..self }
     }
 
     /// One substep.
@@ -197,6 +204,9 @@ impl Contact {
             self.fly();
         }
         self.steps += self.substeps.length();
+        if self.late > 0.0 {
+            (self.setting.substep, self.late) = (self.substeps.seconds(), 0.0);
+        }
         self.look_for_calm();
         self.fall_asleep();
     }
@@ -262,6 +272,16 @@ impl Contact {
     /// Goes on to the end of the substep that this step is in, while nothing moves.
     fn sleep_until(&mut self, step: u64) {
         self.steps = step.next_multiple_of(self.substeps.next_length());
+    }
+
+    /// The share of the last substep that has passed at the clock's time.
+    fn share(&self) -> f64 {
+        let Substeps { rate, .. } = self.substeps;
+        let (over, rest) = self.clock.steps(rate);
+        // It may be over by then or not.
+        let began = self.steps.saturating_sub(self.substeps.length());
+        let passed = over.saturating_sub(began) as f64 + rest * f64::from(rate);
+        passed / self.substeps.length() as f64
     }
 
     /// Moves balls that meet nothing.
@@ -360,10 +380,12 @@ impl Advance for Contact {
             self.before.clear();
             if self.steps + self.substeps.next_length() > over {
                 self.find_held();
-                let bodies = self.bodies.iter().enumerate();
-                let before: Vec<_> =
-                    bodies.map(|(at, body)| (body.position, self.velocity_between(at))).collect();
-                self.before = before;
+                let before = |at| {
+                    let velocity = self.velocity_between(at);
+                    // As if it had been there, on its way, when the substep began.
+                    (self.bodies[at].position - velocity * self.late, velocity)
+                };
+                self.before = (0..self.bodies.len()).map(before).collect();
             }
             // One stripe is not worth waking threads for.
             let is_cut = Layout::of(self.bodies.len()).is_cut();
@@ -383,10 +405,7 @@ impl Advance for Contact {
             if rest == 0.0 && self.steps == over {
                 self.before.clear();
             }
-            // Since the last substep began, which may be over by now or not.
-            let began = self.steps.saturating_sub(self.substeps.length());
-            let passed = over.saturating_sub(began) as f64 + rest * f64::from(self.substeps.rate);
-            self.show(frame, passed / self.substeps.length() as f64);
+            self.show(frame, self.share());
             seconds
         }
     }
@@ -416,7 +435,8 @@ impl Advance for Contact {
         true
     }
 
-    fn set_velocity(&mut self, index: usize, ball: &Ball) -> bool {
+    fn set_velocity(&mut self, _: &World, balls: &[Ball], index: usize) -> bool {
+        let ball = &balls[index];
         let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
         self.wake_by_hand(at);
         let body = &mut self.bodies[at];
@@ -427,6 +447,15 @@ impl Advance for Contact {
             *velocity = ball.velocity;
         }
         true
+    }
+
+    fn substeps(&self) -> Option<[u32; 2]> {
+        Some(self.substeps.range(self.bodies.len(), self.setting.gravity))
+    }
+
+    fn within_substep(&self) -> f64 {
+        let share = if self.before.is_empty() { 0.0 } else { self.share() };
+        share.min(1.0 - share) * self.substeps.seconds()
     }
 
     fn parts(&self, world: &World) -> Vec<Part> {

@@ -1,10 +1,11 @@
 //! How long substeps are: two, three or four in each *beat* of a 60th of a second.
 //!
-//! What flies is followed from impact to impact in any substep, and what lies still needs no short ones. But where many are
-//! hit, a ball may be hit more often than it may in one, and what is left is to be held before it goes far; and the more a
-//! ball carries, the farther it goes for what is left to be found of that load. Few balls cost little, and so do those that
-//! are awake among many asleep: they always take four, as do those that nothing presses together, and balls of unlike materials,
-//! which may carry what is many times as heavy. Where gravity is strong, beats are shorter. They follow each other whatever the frames, so that what comes of them does not depend on these.
+//! What flies is followed from impact to impact in any substep, and what lies still needs no short ones. But where many
+//! are hit, a ball may be hit more often than it may in one, and what is left is to be held before it goes far; and the
+//! more a ball carries, the farther it goes for what is left to be found of that load. Few balls cost little, and so do
+//! those that are awake among many asleep: they always take four, as do those that nothing presses together, and balls of
+//! unlike materials, which may carry what is many times as heavy. Where gravity is strong, beats are shorter. They follow
+//! each other whatever the frames, so that what comes of them does not depend on these.
 
 use glam::DVec2;
 
@@ -18,10 +19,10 @@ use super::stripes::{Stripe, of_layer};
 use super::{Contact, Setting};
 
 /// Beats in a second, at least.
-pub(in crate::simulation) const BEATS: u32 = 60;
+const BEATS: u32 = 60;
 /// Substeps in a beat: the fewest, and the most, with which all begin.
-pub(in crate::simulation) const FEWEST: u32 = 2;
-pub(in crate::simulation) const MOST: u32 = 4;
+const FEWEST: u32 = 2;
+const MOST: u32 = 4;
 /// The parts of a beat in which time is counted: a multiple of all numbers of substeps.
 const PARTS: u32 = 12;
 
@@ -101,6 +102,19 @@ impl Substeps {
         self.shortened.map_or(self.rate, |times| BEATS * times * self.count)
     }
 
+    /// The fewest and the most in a second of so many balls under this gravity.
+    pub(super) fn range(&self, balls: usize, gravity: DVec2) -> [u32; 2] {
+        match self.shortened {
+            Some(times) if varies(balls, gravity) => [FEWEST, MOST].map(|count| BEATS * times * count),
+            _ => [self.per_second(); 2],
+        }
+    }
+
+    /// How long a substep takes.
+    pub(super) fn seconds(&self) -> f64 {
+        1.0 / f64::from(self.per_second())
+    }
+
     /// In how many of the steps in which time is counted a substep is over: the last, and the next.
     pub(super) fn length(&self) -> u64 {
         self.length_of(self.count)
@@ -118,6 +132,11 @@ impl Substeps {
     fn length_of(&self, count: u32) -> u64 {
         if self.shortened.is_some() { u64::from(PARTS / count) } else { 1 }
     }
+}
+
+/// Whether beats may have fewer substeps than most.
+fn varies(balls: usize, gravity: DVec2) -> bool {
+    balls > FEW && gravity != DVec2::ZERO
 }
 
 /// How many times shorter than usual substeps are.
@@ -149,7 +168,7 @@ impl Setting {
 
     /// The same for substeps of another length.
     fn with_length(self, substeps: &Substeps) -> Self {
-        let substep = 1.0 / f64::from(substeps.per_second());
+        let substep = substeps.seconds();
         let kick = self.gravity * substep;
         let softness = Softness::of(substeps.count);
         Self { substep, kick, firm: FIRM * kick.length(), softness, ..self }
@@ -189,7 +208,7 @@ impl Contact {
     /// Finds out how many substeps the next beat is to have.
     pub(super) fn look_for_calm(&mut self) {
         let Self { setting, substeps, bodies, near: Some(near), steps, asleep, .. } = self else { return };
-        if substeps.shortened.is_none() || bodies.len() <= FEW || setting.kick == DVec2::ZERO {
+        if substeps.shortened.is_none() || !varies(bodies.len(), setting.gravity) {
             return;
         }
         let layout = near.layout;

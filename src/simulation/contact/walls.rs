@@ -144,11 +144,12 @@ pub(super) fn bounce_off(
     tally: &mut Tally,
 ) {
     let e = setting.walls.unwrap_or_default();
-    let bent = body.velocity[axis] + setting.kick[axis] * (time / setting.substep - 0.5);
-    // Along this axis it may be slow: never turned round by gravity alone.
-    let speed = if bent * body.velocity[axis] > 0.0 { bent } else { body.velocity[axis] };
+    let mean = body.velocity[axis];
+    let bent = mean + setting.kick[axis] * (time / setting.substep - 0.5);
+    // Along this axis it may be slow: gravity alone neither turns it round nor keeps it at the wall.
+    let turns = bent * mean > 0.0 && (mean - (1.0 + e) * bent) * mean < 0.0;
     let mut change = DVec2::ZERO;
-    change[axis] = -body.velocity[axis] - e * speed;
+    change[axis] = -(1.0 + e) * if turns { bent } else { mean };
     strike(body, change, time);
     tally.wall_hits += 1;
     tally.wall_impulse += change / own;

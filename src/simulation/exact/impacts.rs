@@ -110,7 +110,7 @@ impl Exact {
     }
 
     /// Whether a ball of this radius has no room between the walls across an axis.
-    pub(super) fn jams(&self, radius: f64, axis: usize) -> bool {
+    pub(in crate::simulation) fn jams(&self, radius: f64, axis: usize) -> bool {
         self.walls.is_some() && self.size[axis] - 2.0 * radius < AT_THE_WALL * self.size[axis]
     }
 

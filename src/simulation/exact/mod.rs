@@ -11,6 +11,7 @@
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
 //! - `settle`, `group`: how they come to rest on each other;
+//! - `pace`: whether there are more impacts than can be followed;
 //! - `cells`, `calendar`: where balls are, and the queue.
 
 mod begin;
@@ -20,6 +21,7 @@ mod flights;
 mod foresee;
 mod group;
 mod impacts;
+mod pace;
 mod settle;
 mod together;
 
@@ -34,6 +36,7 @@ pub(super) use begin::counted_rest_speed;
 use calendar::{Calendar, Dawn, Entry};
 use cells::Cells;
 use flights::{Flight, Marks, Matter, Target};
+pub(super) use pace::Pace;
 
 /// The event-driven solver.
 ///
@@ -81,9 +84,8 @@ pub(super) struct Exact {
     instant: f64,
     /// How many events it has had so far.
     at_once: usize,
-    /// How many years have been short one after the other, and whether it stops after some of them.
-    short_years: usize,
-    gives_up: bool,
+    /// How impacts keep pace, where it stops once they do not.
+    pace: Option<Pace>,
     /// Whether a ball that was looked at since this was cleared touches another one.
     beside: bool,
     /// Events taken since the caller's watch was looked at.
@@ -112,11 +114,6 @@ const LEAN: f64 = 8.0;
 const SHORTEST_YEAR: f64 = 1.0 / (1_u64 << 58) as f64;
 /// The longest year, s.
 const LONGEST_YEAR: f64 = 16.0;
-/// A year, about an impact for each ball, is short where it takes less than so many seconds ...
-const SHORT_YEAR: f64 = 1.0 / 2048.0;
-/// ... and so many of them in a row are more than can be followed, or as many more as have so many impacts among few balls.
-const RUSHED: usize = 64;
-const RUSHED_IMPACTS: usize = 1 << 20;
 /// The most events that are saved up for the search for groups at rest.
 const MOST_CREDIT: i64 = 1024;
 /// So many balls, their cells and their days do not stay in the caches near the processor.
@@ -224,7 +221,7 @@ impl Exact {
                     return Some(Pause::Stopped(entry.time));
                 }
                 self.take::<N>(tally, entry);
-                if self.calendar.is_crowded() {
+                if self.calendar.is_crowded() || self.is_stuck() {
                     return Some(Pause::NewYear(self.calendar.moment_before(entry.time)));
                 }
             }
@@ -304,7 +301,10 @@ impl Exact {
         if self.span < 0.75 * suggested && self.span < LONGEST_YEAR {
             self.span *= 2.0;
         }
-        self.short_years = if time < SHORT_YEAR { self.short_years + 1 } else { 0 };
+        if let Some(pace) = &mut self.pace {
+            let busy = self.flights.iter().filter(|flight| flight.time > 0.0).count();
+            pace.pass(time, 0.5 * self.hits as f64, busy);
+        }
         self.hits = 0;
         self.latest -= time;
         self.instant -= time;
@@ -337,9 +337,14 @@ impl Exact {
         }
     }
 
-    /// The same solver that stops where there are more impacts than can be followed.
-    pub(super) fn while_it_keeps_up(self) -> Self {
-        Self { gives_up: true, ..self }
+    /// The same solver that stops where there are more impacts than can be followed, and has kept pace so far as this says.
+    pub(super) fn while_it_keeps_pace(self, so_far: Pace) -> Self {
+        Self { pace: Some(so_far), ..self }
+    }
+
+    /// How impacts have kept pace, where it stops once they do not.
+    pub(super) fn pace(&self) -> Pace {
+        self.pace.unwrap_or_default()
     }
 
     /// The time that it has come to.
@@ -349,12 +354,27 @@ impl Exact {
 
     /// Whether it has stopped, for good.
     pub(super) fn is_outrun(&self) -> bool {
-        self.gives_up && self.short_years >= RUSHED.max(RUSHED_IMPACTS / self.flights.len().max(FEWEST))
+        self.pace.is_some_and(|pace| pace.is_outrun(self.flights.len()))
+    }
+
+    /// Whether it has to stop because another event at this time would find balls wedged in.
+    #[inline]
+    fn is_stuck(&mut self) -> bool {
+        let stuck = self.at_once >= self.most_at_once();
+        match &mut self.pace {
+            Some(pace) if stuck => pace.stop(),
+            _ => return false,
+        }
+        true
     }
 
     /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.
     fn wedged(&self) -> bool {
-        self.at_once > MOST_AT_ONCE.max(MOST_AT_ONCE_PER_BALL * self.flights.len())
+        self.at_once > self.most_at_once()
+    }
+
+    fn most_at_once(&self) -> usize {
+        MOST_AT_ONCE.max(MOST_AT_ONCE_PER_BALL * self.flights.len())
     }
 
     fn advance_as<N: Needs>(

@@ -38,8 +38,10 @@ pub(super) struct Base {
     pub(super) mass: f64,
     /// The largest sum of the balls' energies that was seen, each without its sign.
     pub(super) energy_scale: f64,
-    /// The lowest energy that was seen.
+    /// The lowest energy that was seen, or the last in a frame in which more was allowed.
     pub(super) least_energy: f64,
+    /// By how much it has risen in such frames, in all.
+    pub(super) lifted: f64,
     /// The largest sum of the balls' momenta that was seen, each without its direction.
     pub(super) momentum_scale: f64,
     /// The deepest overlap at first, and with `exact` since, as a fraction of the smaller radius.
@@ -87,6 +89,7 @@ impl Base {
             mass: free(balls).map(|ball| ball.mass).sum(),
             energy_scale: energy_scale(&world, balls),
             least_energy: energy(&world, balls),
+            lifted: 0.0,
             momentum_scale: momentum_scale(balls),
             overlap: overlap.map_or(0.0, |(_, depth)| depth),
             fixed: balls.iter().any(Ball::is_fixed),

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// The laws, in the order in which a frame is held against them.
+/// The laws, in the order in which a frame is held against them. Where `contact` moves elastic balls from impact to
+/// impact, it is held to all that `exact` is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Law {
     /// Positions and velocities are finite.
@@ -18,11 +19,12 @@ pub enum Law {
     /// - `exact`, ½Mu² for hops at the rest speed u, as it counts under this gravity
     ///   ([`with_rest_speed`](crate::Simulation::with_rest_speed));
     /// - `contact`, [`CONTACT_LIFT`](super::CONTACT_LIFT) of the most that was there, for overlaps that are taken back,
-    ///   and what a speed of two substeps' gravity has.
+    ///   and what a speed of two substeps' gravity has; and [`CONTACT_LIFT_OF_FAST`](super::CONTACT_LIFT_OF_FAST) in all
+    ///   while one moves farther than its radius in a substep, as gravity within a substep is only about right at its
+    ///   impacts then.
     ///
     /// `exact` is not held to it while balls overlap, which it parts with energy from nowhere; nor is `contact` under
-    /// gravity where balls overlapped to begin with, as it lifts them off each other, nor while one moves farther than
-    /// its radius in a substep, as gravity within a substep is only about right at its impacts then.
+    /// gravity where balls overlapped to begin with, as it lifts them off each other.
     Energy,
     /// Energy does not fall where nothing takes any: elastic balls, elastic walls, no gravity, and room to move.
     EnergyKept,

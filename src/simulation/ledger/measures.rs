@@ -4,7 +4,6 @@ use glam::DVec2;
 
 use crate::simulation::ball::Ball;
 use crate::simulation::clock;
-use crate::simulation::contact;
 use crate::simulation::grid::Grid;
 use crate::simulation::invariants::{free, kinetic_energy, potential_energy};
 use crate::simulation::world::World;
@@ -17,13 +16,17 @@ pub(super) const EPSILON: f64 = 8.0 * f64::EPSILON;
 /// Times are known to this, s, whatever their size: twice the time at multiples of which frames are shown.
 const INSTANT: f64 = 2.0 * clock::INSTANT;
 
+/// The solver whose laws are claimed: `contact` claims those of `exact` where it takes no substeps.
+pub(super) fn claimed(simulation: &Simulation) -> Solver {
+    match simulation.solver {
+        Solver::Contact if simulation.engine.substeps().is_none() => Solver::Exact,
+        solver => solver,
+    }
+}
+
 /// Whether the state is one that the solver has computed: `contact` only shows what lies between two of its substeps.
 pub(super) fn is_whole(simulation: &Simulation) -> bool {
-    // Whatever their lengths, substeps end where beats do.
-    let rate = f64::from(simulation.tuning.substeps.unwrap_or(contact::BEATS));
-    let time = simulation.time();
-    let off = time - (time * rate).round() / rate;
-    simulation.solver != Solver::Contact || off.abs() <= instant(simulation)
+    simulation.engine.within_substep() <= instant(simulation)
 }
 
 /// What times are known to, s.
@@ -31,14 +34,9 @@ pub(super) fn instant(simulation: &Simulation) -> f64 {
     INSTANT + EPSILON * simulation.time()
 }
 
-/// The substeps of `contact` in a second: those that it was told, or the fewest that it chooses.
-pub(super) fn substeps(simulation: &Simulation) -> u32 {
-    simulation.tuning.substeps.unwrap_or(contact::BEATS * contact::FEWEST)
-}
-
-/// The same, or the most that it chooses where gravity is not strong.
-pub(super) fn most_substeps(simulation: &Simulation) -> u32 {
-    simulation.tuning.substeps.unwrap_or(contact::BEATS * contact::MOST)
+/// The fewest substeps that the solver takes in a second; infinite where it needs none.
+pub(super) fn fewest_substeps(simulation: &Simulation) -> f64 {
+    simulation.engine.substeps().map_or(f64::INFINITY, |[fewest, _]| f64::from(fewest))
 }
 
 /// Whether a ball that flies freely touches no wall for so many seconds: it is never nearer to one than a small part of
@@ -103,7 +101,7 @@ mod tests {
     #[test]
     fn frames_of_whole_substeps_are_states_that_were_computed_for_an_hour() {
         let world = World::new(DVec2::splat(100.0)).unwrap();
-        for frames in [20.0, 30.0, 60.0] {
+        for frames in [24.0, 60.0, 240.0] {
             let mut still =
                 Simulation::new(world, vec![Ball::new(DVec2::splat(50.0), 1.0).unwrap()], Solver::Contact)
                     .unwrap();

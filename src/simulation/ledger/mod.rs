@@ -19,12 +19,15 @@ use super::{Simulation, Solver};
 use accounts::{Base, Before};
 pub use law::{Law, Violation};
 use measures::{
-    EPSILON, TOUCH, deepest_overlap, energy_scale, instant, is_whole, momentum_scale, most_substeps,
-    stays_inside, substeps, wall_tolerance,
+    EPSILON, TOUCH, claimed, deepest_overlap, energy_scale, fewest_substeps, instant, is_whole,
+    momentum_scale, stays_inside, wall_tolerance,
 };
 
 /// How much [`Solver::Contact`] may add to the energy under gravity, as a part of the most that was there.
 pub const CONTACT_LIFT: f64 = 1e-2;
+/// The same, in all, in frames in which a ball is fast, or was in the one before: it moves farther than its radius in a
+/// substep.
+pub const CONTACT_LIFT_OF_FAST: f64 = 0.5;
 /// What rounding may add to an energy or a momentum in a run of an hour, as a part of the largest that was seen.
 const ROUNDING: f64 = 1e-9;
 /// What each impact on a wall may add to that.
@@ -107,11 +110,11 @@ impl Ledger {
             self.check_momentum(simulation)?;
             self.before.energy = energy;
             // What may rise without bound is no less than it was: it is accounted for from here on.
-            let unbounded = match simulation.solver {
-                Solver::Canvas => false,
-                Solver::Exact => self.parts_overlaps(simulation),
-                Solver::Contact => self.is_beyond_contact(simulation),
-            };
+            let unbounded = simulation.solver != Solver::Canvas && self.parts_overlaps(simulation);
+            if !unbounded && energy > self.base.least_energy && self.any_fast(simulation) {
+                self.base.lifted += energy - self.base.least_energy;
+                self.base.least_energy = energy;
+            }
             self.base.least_energy = if unbounded { energy } else { self.base.least_energy.min(energy) };
             self.base.energy_scale =
                 self.base.energy_scale.max(energy_scale(&simulation.world, &simulation.balls));
@@ -139,7 +142,7 @@ impl Ledger {
     }
 
     fn check_overlap(&mut self, simulation: &Simulation) -> Result<(), Violation> {
-        if simulation.world.pairs != Some(Pairs::Impulse) || simulation.solver != Solver::Exact {
+        if simulation.world.pairs != Some(Pairs::Impulse) || claimed(simulation) != Solver::Exact {
             return Ok(());
         }
         let allowed = self.base.overlap + TOUCH;
@@ -162,7 +165,7 @@ impl Ledger {
         let fall_of_all = world.gravity.unwrap_or_default().abs().dot(world.size) * base.mass;
         let rounding = ROUNDING * base.energy_scale.max(energy_scale(world, balls)) + EPSILON * fall_of_all;
         let allowed = rounding
-            + match (simulation.solver, world.gravity) {
+            + match (claimed(simulation), world.gravity) {
                 (Solver::Canvas, None) => self.before.energy,
                 (Solver::Exact, _) if self.parts_overlaps(simulation) => f64::INFINITY,
                 (Solver::Canvas, Some(gravity)) => {
@@ -173,11 +176,17 @@ impl Ledger {
                     let hop = counted_rest_speed(simulation.tuning.rest_speed, gravity, balls);
                     base.least_energy + 0.5 * base.mass * hop * hop
                 }
-                (Solver::Contact, Some(_)) if self.is_beyond_contact(simulation) => f64::INFINITY,
+                (Solver::Contact, Some(_)) if self.parts_overlaps(simulation) => f64::INFINITY,
                 (Solver::Contact, Some(gravity)) => {
                     // What begins to be held may show two kicks for a substep.
-                    let kicks = 2.0 * gravity.length() / f64::from(substeps(simulation));
-                    base.least_energy + CONTACT_LIFT * base.energy_scale + 0.5 * base.mass * kicks * kicks
+                    let kicks = 2.0 * gravity.length() / fewest_substeps(simulation);
+                    let more = if self.any_fast(simulation) {
+                        CONTACT_LIFT_OF_FAST * base.energy_scale
+                    } else {
+                        0.0
+                    };
+                    let lift = (CONTACT_LIFT * base.energy_scale).max(more - base.lifted);
+                    base.least_energy + lift + 0.5 * base.mass * kicks * kicks
                 }
             };
         if energy > allowed {
@@ -195,15 +204,10 @@ impl Ledger {
         self.base.overlap > TOUCH && simulation.world.pairs == Some(Pairs::Impulse)
     }
 
-    /// Whether `contact` under gravity promises nothing of the energy.
-    fn is_beyond_contact(&self, simulation: &Simulation) -> bool {
-        self.parts_overlaps(simulation) || self.any_fast(simulation)
-    }
-
     /// Whether a ball moves farther than its radius in a substep of `contact`, or did a frame ago.
     fn any_fast(&self, simulation: &Simulation) -> bool {
-        let substep = 1.0 / f64::from(substeps(simulation));
-        let fast = |ball: &Ball| ball.velocity.length() * substep > ball.radius;
+        let substeps = fewest_substeps(simulation);
+        let fast = |ball: &Ball| ball.velocity.length() > ball.radius * substeps;
         simulation.balls.iter().any(fast) || self.before.balls.iter().any(fast)
     }
 
@@ -222,7 +226,7 @@ impl Ledger {
 
     fn check_momentum(&self, simulation: &Simulation) -> Result<(), Violation> {
         let (world, base) = (&simulation.world, &self.base);
-        let all_told = match simulation.solver {
+        let all_told = match claimed(simulation) {
             Solver::Canvas => true,
             Solver::Exact => world.walls.is_none() || (world.gravity.is_none() && base.roomy),
             Solver::Contact => world.walls.is_none() && base.overlap <= TOUCH,
@@ -236,10 +240,7 @@ impl Ledger {
         let given = simulation.tally.wall_impulse - base.tally.wall_impulse;
         let found = momentum(simulation.balls()) - (base.momentum + fallen + given);
         // What is held shows its mean velocity through a substep, what flies the one at its end.
-        let held = match simulation.solver {
-            Solver::Canvas | Solver::Exact => 0.0,
-            Solver::Contact => 2.0 / f64::from(substeps(simulation)),
-        };
+        let held = 2.0 / fewest_substeps(simulation);
         let hits = (simulation.tally.wall_hits - base.tally.wall_hits) as f64;
         let rounding = ROUNDING + ROUNDING_OF_IMPACT * hits;
         let allowed = rounding * (base.momentum_scale + fallen.length() + given.length())
@@ -257,7 +258,7 @@ impl Ledger {
         let seconds = simulation.time() - self.before.time;
         let gravity = world.gravity.unwrap_or_default();
         let bounces = world.pairs == Some(Pairs::Impulse);
-        let told = match simulation.solver {
+        let told = match claimed(simulation) {
             Solver::Canvas | Solver::Exact => true,
             Solver::Contact => {
                 !bounces && self.before.whole && is_whole(simulation) && !self.any_fast(simulation)
@@ -268,10 +269,7 @@ impl Ledger {
         }
         let instant = instant(simulation);
         // Every substep rounds the place, by half a unit in the last of its digits.
-        let substeps_taken = match simulation.solver {
-            Solver::Canvas | Solver::Exact => 0.0,
-            Solver::Contact => seconds * f64::from(most_substeps(simulation)),
-        };
+        let substeps_taken = simulation.engine.substeps().map_or(0.0, |[_, most]| seconds * f64::from(most));
         let drift = EPSILON + 0.5 * f64::EPSILON * substeps_taken;
         let balls = self.before.balls.iter().zip(&simulation.balls).zip(&simulation.touching);
         for (index, ((before, ball), &touching)) in balls.enumerate() {
@@ -308,9 +306,9 @@ mod tests {
     use super::*;
     use crate::simulation::{Advance, Frame, Part, World};
 
-    /// A solver that does one thing wrong, and nothing else.
+    /// A solver that does one thing wrong, and nothing else, in so many substeps.
     #[derive(Debug)]
-    struct Doctored(fn(&mut Frame<'_>));
+    struct Doctored(fn(&mut Frame<'_>), Option<[u32; 2]>);
 
     impl Advance for Doctored {
         fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, _: &mut dyn FnMut() -> bool) -> f64 {
@@ -326,18 +324,27 @@ mod tests {
         }
 
         fn clone_boxed(&self) -> Box<dyn Advance> {
-            Box::new(Self(self.0))
+            Box::new(Self(self.0, self.1))
+        }
+
+        fn substeps(&self) -> Option<[u32; 2]> {
+            self.1
         }
     }
 
     /// What the ledger says of a frame of two balls in a box without gravity.
     fn judged(solver: Solver, wrong: fn(&mut Frame<'_>)) -> Result<(), Law> {
+        judged_in(solver, (solver == Solver::Contact).then_some([240; 2]), wrong)
+    }
+
+    /// The same of one in so many substeps.
+    fn judged_in(solver: Solver, substeps: Option<[u32; 2]>, wrong: fn(&mut Frame<'_>)) -> Result<(), Law> {
         let world = World::new(DVec2::splat(100.0)).unwrap().with_walls(1.0).unwrap();
         let ball =
             |x| Ball::new(DVec2::new(x, 50.0), 10.0).unwrap().with_velocity(DVec2::new(3.0, 4.0)).unwrap();
         let balls = vec![ball(30.0), ball(60.0)];
         let mut simulation = Simulation::new(world.with_pairs(Pairs::Impulse), balls, solver).unwrap();
-        simulation.engine = Box::new(Doctored(wrong));
+        simulation.engine = Box::new(Doctored(wrong, substeps));
         let mut ledger = Ledger::new(&simulation);
         simulation.advance(0.25).unwrap();
         let judged = ledger.check(&simulation).map_err(|violation| violation.law);
@@ -358,6 +365,12 @@ mod tests {
         // What a solver is not held to.
         assert_eq!(judged(Solver::Contact, |frame| frame.balls[0].position.x += 15.0), Ok(()));
         assert_eq!(judged(Solver::Contact, |frame| frame.balls[0].velocity *= -1.0), Ok(()));
+        // But where it goes from impact to impact it is.
+        let judged = |wrong| judged_in(Solver::Contact, None, wrong);
+        assert_eq!(judged(|_| {}), Ok(()));
+        assert_eq!(judged(|frame| frame.balls[0].position.x += 15.0), Err(Law::Overlap));
+        assert_eq!(judged(|frame| frame.balls[0].velocity *= -1.0), Err(Law::Momentum));
+        assert_eq!(judged(|frame| frame.balls[0].position.x += 1.0), Err(Law::Flight));
     }
 
     #[test]
