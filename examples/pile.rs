@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Nothing moves this one; what falls on it runs off.
     balls.push(Ball::new(DVec2::new(200.0, 330.0), 40.0)?.fixed());
 
-    // The defaults are a rest speed of 1 px/s, 240 substeps a second here, and sleep.
+    // The defaults are a rest speed of 1 px/s, 120 to 240 substeps a second here, and sleep.
     let mut simulation = Simulation::new(world, balls, Solver::Contact)?
         .with_rest_speed(0.5)?
         .with_substeps(480)?

@@ -290,7 +290,7 @@ mod tests {
     fn balls_that_begin_in_each_other_are_parted_in_substeps() {
         let world = World::new(DVec2::splat(100.0)).unwrap().with_walls(1.0).unwrap();
         let at = |x: f64| Ball::new(DVec2::new(x, 50.0), 10.0).unwrap();
-        for (apart, events) in [(20.0, true), (15.0, false)] {
+        for (apart, events) in [(20.0, true), (20.0 - 1e-12, true), (20.0 - 1e-6, false), (15.0, false)] {
             let balls = vec![at(30.0), at(30.0 + apart)];
             let simulation =
                 Simulation::new(world.with_pairs(Pairs::Impulse), balls, Solver::Contact).unwrap();

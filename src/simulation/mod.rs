@@ -125,6 +125,8 @@ impl Simulation {
     /// hundreds; and a multiple of that where gravity g is strong beside the smallest radius r, so that g·h² stays under
     /// r/100 for the shortest substeps, of h seconds.
     ///
+    /// Elastic balls without gravity take none unless a number is given: they go from impact to impact.
+    ///
     /// Balls that fly, and meet one after the other, do so to rounding whatever the number. With fewer substeps than it
     /// would choose, piles sink in by up to a few times g·h², and what lies on a wall of restitution 1 hops as high;
     /// with more, cost grows in proportion.
@@ -151,7 +153,7 @@ impl Simulation {
     }
 
     /// The same simulation with so many threads for [`Solver::Contact`], the only solver that shares its work: it does
-    /// where there are some thousands of balls. The result is the same, to the bit, whatever the number. There is one
+    /// where there are some thousands of balls, and where it takes substeps. The result is the same, to the bit, whatever the number. There is one
     /// unless told otherwise, and always where carom is built without its feature `parallel`; 0 counts as 1, and more
     /// than [`limits::MAX_THREADS`] as that.
     #[must_use]
@@ -180,8 +182,8 @@ impl Simulation {
     /// seconds that it has moved on. What is left out is time that was not simulated, not physics that was skipped: the
     /// state is the one at the time returned, and the next call goes on from there.
     ///
-    /// A solver whose work grows with what happens (`exact`) asks `go_on` now and then, and `contact` after each of its
-    /// substeps; one whose frame always costs about the same (`canvas`) never asks, and finishes.
+    /// A solver whose work grows with what happens (`exact`, and `contact` where it goes from impact to impact) asks `go_on`
+    /// now and then, and `contact` after each of its substeps; one whose frame always costs about the same (`canvas`) never asks, and finishes.
     ///
     /// # Errors
     /// [`OutOfRange`] as for [`advance`](Self::advance); nothing has moved then.

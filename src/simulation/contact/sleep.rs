@@ -16,7 +16,7 @@ use super::{Body, Contact};
 
 /// Seconds that a ball must have rested for.
 const WINDOW: f64 = 0.5;
-/// ... and substeps.
+/// ... and steps in which time is counted: substeps, where their number was asked for.
 const LEAST_WINDOW: u64 = 32;
 /// A ball rests where it has drifted slower than this, in kicks of gravity (the speed that gravity gives in a substep).
 const DRIFT: f64 = 0.25;
@@ -87,7 +87,7 @@ impl Contact {
         }
     }
 
-    /// How far a ball at rest may drift in a window of so many substeps, px.
+    /// How far a ball at rest may drift in a window of so many of the steps in which time is counted, px.
     fn drift(&self, window: u64) -> f64 {
         let Substeps { rate, .. } = self.substeps;
         let kick = self.setting.gravity.length() * self.substeps.shortest() as f64 / f64::from(rate);
@@ -271,4 +271,50 @@ pub(super) fn wake_by_hit(
     let held = wake(at, &given, kick, bodies, rests, stripes);
     bodies[at].free = kick;
     bodies[at].velocity = kick + held;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::ball::Ball;
+    use super::super::super::world::{Pairs, World};
+    use super::super::{Tally, Tuning};
+    use super::*;
+
+    /// A ball that lies on the floor, in beats of so many substeps.
+    fn lying(count: u32) -> Contact {
+        let world = World::new(DVec2::splat(100.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
+        let balls = [20.0, 60.0].map(|x| Ball::new(DVec2::new(x, 90.0), 10.0).unwrap());
+        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
+        let mut contact = Contact::new(&world, &balls, tuning);
+        contact.substeps.begin_beat_of(count);
+        contact
+    }
+
+    /// Takes substeps until so many parts of a beat are over.
+    fn go(contact: &mut Contact, to: u64) {
+        while contact.steps < to {
+            contact.step(&mut Tally::default());
+        }
+        assert_eq!(contact.steps, to);
+    }
+
+    #[test]
+    fn rest_is_looked_at_in_its_window_however_long_substeps_are() {
+        for (count, length) in [(4, 3), (3, 4), (2, 6)] {
+            let mut contact = lying(count);
+            // Half a second. A ball is elsewhere when three eighths of it are over.
+            let (window, swings) = (360, 134 / length * length);
+            go(&mut contact, swings);
+            contact.bodies[1].position.x += 5.0;
+            go(&mut contact, swings + length);
+            contact.bodies[1].position.x -= 5.0;
+            go(&mut contact, window - length);
+            assert_eq!(contact.rests[0].last.0, contact.bodies[0].position);
+            go(&mut contact, window);
+            assert_eq!([0, 1].map(|at| contact.rests[at].asleep), [true, false], "{count} substeps");
+            go(&mut contact, 2 * window);
+            assert!(contact.all_asleep);
+        }
+    }
 }

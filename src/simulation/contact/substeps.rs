@@ -97,6 +97,12 @@ impl Substeps {
         Self { rate, shortened, count: MOST, next: MOST, calm: 0 }
     }
 
+    /// Has the next beat of so many.
+    #[cfg(test)]
+    pub(super) fn begin_beat_of(&mut self, count: u32) {
+        self.next = count;
+    }
+
     /// How many of them, or of the shortest, there are in a second.
     fn per_second(&self) -> u32 {
         self.shortened.map_or(self.rate, |times| BEATS * times * self.count)
@@ -263,7 +269,7 @@ mod tests {
 
     /// Takes a beat of so many substeps, or of as many as suit; how many these were.
     fn beat(contact: &mut Contact, count: Option<u32>) -> u64 {
-        contact.substeps.next = count.unwrap_or(contact.substeps.next);
+        contact.substeps.begin_beat_of(count.unwrap_or(contact.substeps.next));
         let (end, mut taken) = (contact.steps + u64::from(PARTS), 0);
         while contact.steps < end {
             contact.step(&mut Tally::default());
@@ -331,6 +337,55 @@ mod tests {
             hold.impulse = balls * weight * 2.0 * hold.mass;
             pile.look_for_calm();
             assert_eq!(pile.substeps.next, count);
+        }
+    }
+
+    #[test]
+    fn substeps_are_short_among_unlike_balls_and_where_some_sleep() {
+        let mut pile = stacks(true);
+        for _ in 0..15 {
+            beat(&mut pile, None);
+        }
+        let mut next = |differ, asleep| {
+            pile.near.as_mut().unwrap().weights.differ = differ;
+            pile.asleep = asleep;
+            pile.look_for_calm();
+            pile.substeps.next
+        };
+        assert_eq!([next(false, 0), next(true, 0), next(false, 7), next(false, 8)], [2, 4, 2, 4]);
+    }
+
+    #[test]
+    fn what_holds_balls_grows_with_the_substep() {
+        let mut lying = stacks(true);
+        for _ in 0..15 {
+            beat(&mut lying, Some(MOST));
+        }
+        let given = |lying: &mut Contact| {
+            let stripe = &mut lying.near.as_mut().unwrap().stripes[0];
+            let hold = stripe.holds.iter().find(|hold| hold.impulse > 0.0).unwrap();
+            [hold.impulse, hold.grip.x, stripe.beside[0].push.y]
+        };
+        lying.near.as_mut().unwrap().stripes[0].holds.iter_mut().for_each(|hold| hold.grip.x = 0.1);
+        let short = given(&mut lying);
+        for (count, ratio) in [(2, 2.0), (4, 1.0), (3, 4.0 / 3.0)] {
+            lying.substeps.begin_beat_of(count);
+            lying.change_length();
+            for (long, short) in given(&mut lying).into_iter().zip(short) {
+                assert!(short != 0.0 && (long / (ratio * short) - 1.0).abs() < 1e-12, "{long} for {short}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_pile_asleep_goes_on_at_the_end_of_a_substep() {
+        let mut pile = stacks(true);
+        for (count, ends) in [(4, [3, 3, 6, 9]), (2, [6, 6, 6, 12]), (3, [4, 4, 8, 8])] {
+            pile.substeps.begin_beat_of(count);
+            for (step, end) in [1, 3, 5, 8].into_iter().zip(ends) {
+                pile.sleep_until(step);
+                assert_eq!(pile.steps, end, "{step} of {count}");
+            }
         }
     }
 }

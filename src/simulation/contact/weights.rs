@@ -287,6 +287,10 @@ mod tests {
         contact.find();
         assert_eq!(weights(&contact), [1000.0, 1.0]);
         contact.bodies[0].velocity = DVec2::ZERO;
+        // Not before it is time.
+        contact.steps = PERIOD;
+        contact.find();
+        assert_eq!(weights(&contact), [1000.0, 1.0]);
         contact.steps = PERIOD * contact.substeps.shortest();
         contact.find();
         assert_eq!(weights(&contact), [1000.0, 250.0]);

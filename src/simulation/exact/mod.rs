@@ -360,11 +360,10 @@ impl Exact {
     /// Whether it has to stop because another event at this time would find balls wedged in.
     #[inline]
     fn is_stuck(&mut self) -> bool {
-        let stuck = self.at_once >= self.most_at_once();
-        match &mut self.pace {
-            Some(pace) if stuck => pace.stop(),
-            _ => return false,
-        }
+        // A constant first: this is asked after each event.
+        let stuck = self.at_once >= MOST_AT_ONCE && self.at_once >= self.most_at_once();
+        let Some(pace) = self.pace.as_mut().filter(|_| stuck) else { return false };
+        pace.stop();
         true
     }
 

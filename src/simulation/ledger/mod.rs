@@ -167,7 +167,9 @@ impl Ledger {
         let allowed = rounding
             + match (claimed(simulation), world.gravity) {
                 (Solver::Canvas, None) => self.before.energy,
-                (Solver::Exact, _) if self.parts_overlaps(simulation) => f64::INFINITY,
+                (Solver::Exact, _) | (Solver::Contact, Some(_)) if self.parts_overlaps(simulation) => {
+                    f64::INFINITY
+                }
                 (Solver::Canvas, Some(gravity)) => {
                     self.before.energy + self.lifted(gravity, simulation.time())
                 }
@@ -176,7 +178,6 @@ impl Ledger {
                     let hop = counted_rest_speed(simulation.tuning.rest_speed, gravity, balls);
                     base.least_energy + 0.5 * base.mass * hop * hop
                 }
-                (Solver::Contact, Some(_)) if self.parts_overlaps(simulation) => f64::INFINITY,
                 (Solver::Contact, Some(gravity)) => {
                     // What begins to be held may show two kicks for a substep.
                     let kicks = 2.0 * gravity.length() / fewest_substeps(simulation);
