@@ -24,6 +24,8 @@ pub(super) struct Before {
     pub(super) energy: f64,
     /// Whether the state was one that the solver had computed.
     pub(super) whole: bool,
+    /// Whether any ball was fast for `contact`, in it or earlier.
+    pub(super) fast: bool,
     /// Whether accounts cannot begin with it: a ball was not wholly between the walls, or it was within a substep.
     pub(super) unfit: bool,
 }
@@ -64,6 +66,7 @@ impl Before {
             time: simulation.time(),
             energy,
             whole: is_whole(simulation),
+            fast: false,
             unfit: !is_whole(simulation) || (world.walls.is_some() && balls.iter().any(out)),
             balls: balls.clone(),
         }

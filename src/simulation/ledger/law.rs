@@ -30,7 +30,8 @@ pub enum Law {
     EnergyKept,
     /// The momentum, mass·px/s, is what it was, with gravity's share and that of the walls. Not where fixed balls give
     /// any, nor where walls carry balls (`exact` with walls and gravity or no room to move, `contact` with walls):
-    /// neither is tallied. Nor with `contact` where balls overlapped to begin with.
+    /// neither is tallied. Nor with `contact` where balls overlapped to begin with, nor under gravity once one moved farther
+    /// than its radius in a substep: where that has no end of impacts, the substep ends early, and gravity with it.
     Momentum,
     /// A ball that met nothing flew its parabola; found is how far beside it the ball is, px. Not with `contact` where
     /// balls bounce off each other, as what they press on each other is not flagged; nor in its frames that begin or

@@ -105,6 +105,7 @@ impl Ledger {
             return Ok(());
         }
         self.base.momentum_scale = self.base.momentum_scale.max(momentum_scale(&simulation.balls));
+        self.before.fast |= self.any_fast(simulation);
         if is_whole(simulation) {
             let energy = self.check_energy(simulation)?;
             self.check_momentum(simulation)?;
@@ -230,7 +231,10 @@ impl Ledger {
         let all_told = match claimed(simulation) {
             Solver::Canvas => true,
             Solver::Exact => world.walls.is_none() || (world.gravity.is_none() && base.roomy),
-            Solver::Contact => world.walls.is_none() && base.overlap <= TOUCH,
+            Solver::Contact => {
+                let loses_time = self.before.fast && world.gravity.is_some();
+                world.walls.is_none() && base.overlap <= TOUCH && !loses_time
+            }
         };
         if base.fixed || !all_told {
             return Ok(());
