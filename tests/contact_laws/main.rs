@@ -291,6 +291,29 @@ fn a_light_ball_turns_a_heavy_one_back_before_the_wall_whatever_its_mass() {
 }
 
 #[test]
+fn elastic_balls_that_a_wall_sweeps_together_have_few_impacts_in_a_substep() {
+    // Half of them lie in a strip along the wall, deep in others.
+    let balls = (0..3000).map(|k| {
+        let (k, column, row) = (f64::from(k), f64::from(k % 75), f64::from(k / 75));
+        let place = if k % 2.0 == 0.0 {
+            DVec2::new(3.0 + 0.01 * column, 7.0 * row + 5.0)
+        } else {
+            DVec2::new(8.0 * column + 12.0, 7.0 * row + 5.0)
+        };
+        moving(ball(place.x, place.y, 3.0), 200.0 * (1.7 * k).sin(), 200.0 * (2.3 * k).sin())
+    });
+    let mut simulation = simulation(world(640.0, 300.0, 1.0), balls.collect());
+    let start = energy(&simulation);
+    for _ in 0..20 {
+        let before = simulation.tally().impacts;
+        simulation.advance(1.0 / 240.0).unwrap();
+        let impacts = simulation.tally().impacts - before;
+        assert!(impacts < 4 * 3000, "{impacts} impacts");
+        assert!((energy(&simulation) / start - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
 fn a_heavy_ball_that_falls_on_a_light_one_gains_nothing_and_does_not_pass_it() {
     for e in [1.0, 0.9] {
         for (mass, others) in [1e2, 1e4, 1e6, 1e8, 1e10, 1e12].into_iter().flat_map(|m| [(m, 0), (m, 50)]) {

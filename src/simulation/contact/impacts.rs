@@ -32,6 +32,11 @@ const MOST_FAST: u32 = 256;
 /// The least and the greatest of these where balls are a crowd: after each impact all of a ball's pairs are looked at
 /// again, and what comes of it is no flight.
 const MOST_IN_CROWD: (u32, u32) = (1, 4);
+/// A ball that lies deep in more others than so many is in a crowd, as where a wall was moved over many that nothing slows
+/// down. Where so many pairs of such ones were looked at for each ball, on average, all are taken as a crowd from then on:
+/// what each of their impacts costs grows with their pairs.
+const DEEP_IN_CROWD: u32 = 8;
+const LOOKS: usize = 64;
 /// A ball that goes farther in a substep than so many times its radius is fast.
 const FAST: f64 = 1.0;
 
@@ -99,6 +104,8 @@ pub(super) struct Limits {
     most: u32,
     most_far: u32,
     most_fast: u32,
+    /// How many pairs of balls in a crowd may be looked at.
+    looks: usize,
     /// Whether a fast one was hit so often that the substep ends for all of them.
     pub(super) exhausted: bool,
     /// Whether it has.
@@ -106,15 +113,25 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Those of so many bodies, which are a crowd or not.
-    pub(super) fn of(count: usize, crowd: bool, setting: &Setting) -> Self {
+    /// Those of so many bodies, which are a crowd or not; a share of them is `worked_on`.
+    pub(super) fn of(count: usize, worked_on: usize, crowd: bool, setting: &Setting) -> Self {
         let (most, most_far, most_fast) = match count {
             ..=FEW => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
             _ if crowd => (MOST_IN_CROWD.0, MOST_IN_CROWD.0, MOST_IN_CROWD.1),
             _ if !setting.can_rest => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
             _ => (MOST, MOST_FAR, MOST_FAST),
         };
-        Self { most, most_far, most_fast, exhausted: false, ended: false }
+        let looks = LOOKS * worked_on.max(FEW);
+        Self { most, most_far, most_fast, looks, exhausted: false, ended: false }
+    }
+
+    /// Counts the pairs of a ball in a crowd that were looked at.
+    fn count(&mut self, pairs: usize) {
+        self.looks = self.looks.saturating_sub(pairs);
+        if self.looks == 0 {
+            let (most, most_fast) = MOST_IN_CROWD;
+            (self.most, self.most_far, self.most_fast) = (most, most, most_fast);
+        }
     }
 
     /// Whether a body is fast and was hit as often as such a one may be.
@@ -209,12 +226,18 @@ impl Stage<'_> {
                 self.foresee_wall(Spot { stripe: number as u32, at: at as u32 }, stripes);
             }
         }
+        let (mut pairs, mut deep) = (0, 0);
         for number in stripes.of_body(body) {
             let (stripe, start) = (&mut stripes.list[number], layout.start(number));
             let mut cursor = stripe.links.begin((body - start) as u32);
             while let Some(at) = stripe.links.next(&mut cursor) {
-                self.foresee_pair(Spot { stripe: number as u32, at: at as u32 }, stripe, start);
+                let spot = Spot { stripe: number as u32, at: at as u32 };
+                deep += u32::from(self.foresee_pair(spot, stripe, start));
+                pairs += 1;
             }
+        }
+        if deep > DEEP_IN_CROWD {
+            self.limits.count(pairs);
         }
     }
 
@@ -246,8 +269,9 @@ impl Stage<'_> {
         }
     }
 
+    /// Foresees the impact of a pair. Whether one of the two lies deep in the other.
     #[inline]
-    fn foresee_pair(&mut self, spot: Spot, stripe: &mut Stripe, start: usize) {
+    fn foresee_pair(&mut self, spot: Spot, stripe: &mut Stripe, start: usize) -> bool {
         let at = spot.at as usize;
         let pair = stripe.pairs[at];
         let (i, j) = (start + pair.first as usize, start + pair.second as usize);
@@ -257,6 +281,7 @@ impl Stage<'_> {
         if approach.may_meet {
             self.foresee_meeting(spot, stripe, start);
         }
+        approach.is_deep
     }
 
     /// Foresees the impact of a pair that may meet, of a stripe that begins with this body.

@@ -20,6 +20,8 @@ pub(super) struct Approach {
     pub(super) may_meet: bool,
     /// Whether they touch, or nearly do, or may come to.
     pub(super) closes_in: bool,
+    /// Whether they stand nearer than half as far from each other as where they touch.
+    pub(super) is_deep: bool,
 }
 
 impl Approach {
@@ -32,9 +34,10 @@ impl Approach {
         // The least that a pair bounces at that presses on each other: a load may ask for more.
         let firm = if press { setting.firm * reach } else { 0.0 };
         let reach = reach * reach;
-        let least = offset.length_squared() + 2.0 * closing.min(0.0) * setting.substep;
+        let squared = offset.length_squared();
+        let least = squared + 2.0 * closing.min(0.0) * setting.substep;
         let may_meet = (least <= reach) & (closing < 0.0) & (-closing >= firm);
-        Self { may_meet, closes_in: least <= reach * CLOSE }
+        Self { may_meet, closes_in: least <= reach * CLOSE, is_deep: squared < 0.25 * reach }
     }
 }
 

@@ -75,7 +75,7 @@ impl Contact {
             return;
         };
         let Course { fates, queue, .. } = course;
-        let limits = Limits::of(bodies.len(), near.crowd, setting);
+        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
         take_left(Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits }, near);
     }
 
@@ -85,7 +85,7 @@ impl Contact {
         else {
             return;
         };
-        let (layout, limits) = (near.layout, Limits::of(bodies.len(), near.crowd, setting));
+        let (layout, count, crowd) = (near.layout, bodies.len(), near.crowd);
         let shares = layout.share_stripes(layer, &mut near.stripes);
         let shares = shares.zip(layout.share(layer, bodies)).zip(layout.share(layer, &mut course.fates));
         let shares = shares.zip(layout.share_read(layer, restitutions)).zip(layout.share(layer, rests));
@@ -98,6 +98,7 @@ impl Contact {
             let (first, list) = stripes;
             let (mut tally, mut queue) = (list[0].tally, take(&mut list[0].queue));
             let (counts, events) = (&mut tally, &mut queue);
+            let limits = Limits::of(count, bodies.len(), crowd, setting);
             let stage = Stage {
                 setting,
                 bodies,
