@@ -291,6 +291,25 @@ fn a_light_ball_turns_a_heavy_one_back_before_the_wall_whatever_its_mass() {
 }
 
 #[test]
+fn balls_of_a_fast_gas_are_never_in_each_other_at_the_end_of_a_substep() {
+    // Each goes nearly three radii in a substep, in which a hundred others may come near.
+    for (restitution, speed) in [(1.0, 2000.0), (0.95, 5000.0)] {
+        let balls = (0..300).map(|k| {
+            let ball = ball(11.0 * f64::from(k % 18) + 6.0, 11.0 * f64::from(k / 18) + 6.0, 3.0);
+            let turn = f64::from(k) * 2.3;
+            moving(ball.with_restitution(restitution).unwrap(), speed * turn.cos(), speed * turn.sin())
+        });
+        let gas = simulation(world(206.0, 206.0, 1.0), balls.collect());
+        let mut gas = gas.with_substeps(240).unwrap();
+        for substep in 0..120 {
+            gas.advance(1.0 / 240.0).unwrap();
+            let deepest = max_overlap(&mut Grid::new(gas.balls(), gas.world().size()), gas.balls());
+            assert!(deepest < 1e-6, "restitution {restitution}, substep {substep}: {deepest} of a radius");
+        }
+    }
+}
+
+#[test]
 fn elastic_balls_that_a_wall_sweeps_together_have_few_impacts_in_a_substep() {
     // Half of them lie in a strip along the wall, deep in others.
     let balls = (0..3000).map(|k| {

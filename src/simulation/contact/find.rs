@@ -39,6 +39,14 @@ const ROOM: f64 = 1.04;
 /// ... and anew where discs have become larger than that, or smaller by this factor.
 const MISFIT: f64 = 1.25;
 
+/// Balls are covered for a shorter time where more pairs than so many for each were found, and for a longer one again where
+/// less than so many ...
+const NEAR_EACH: (usize, usize) = (4, 16);
+/// ... since what covers them is so many times as wide as they are.
+const WIDE: f64 = 2.5;
+/// How much shorter that becomes, less one, at most.
+const HASTE: u32 = 3;
+
 /// The neighbour list: what the last search found.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Near {
@@ -65,6 +73,8 @@ pub(super) struct Near {
     pub(super) weights: Weights,
     /// The root mean square of all speeds at the search, px/s.
     rms_speed: f64,
+    /// How many times balls are covered for a shorter time than usual, less one.
+    haste: u32,
     searches: u32,
     /// What walls gave to balls before the search, px/s.
     kept_pushes: Vec<(u32, DVec2)>,
@@ -119,6 +129,20 @@ impl Near {
             self.found = self.pair_count();
         }
         self.crowd = self.are_crowd(cargo.bodies);
+        self.look_ahead(cargo.bodies);
+    }
+
+    /// Finds out for how long balls are to be covered after the next search: where they are so fast that this is for many
+    /// others' places, each search costs less than what it found would.
+    fn look_ahead(&mut self, bodies: &[Body]) {
+        let (few, many) = NEAR_EACH;
+        let covered: f64 = self.discs.iter().map(|disc| disc.radius).sum();
+        let wide = covered > WIDE * bodies.iter().map(|body| body.radius).sum::<f64>();
+        if self.found < few * bodies.len() {
+            self.haste = self.haste.saturating_sub(1);
+        } else if self.found > many * bodies.len() && wide && !self.crowd {
+            self.haste = (self.haste + 1).min(HASTE);
+        }
     }
 
     /// Takes over another layout, and keeps what holds balls, which now have these `places`, or still those that they had.
@@ -238,8 +262,8 @@ impl Near {
     pub(super) fn cover(&self, count: usize, setting: &Setting) -> impl Fn(&Body) -> Home + use<> {
         let horizon = match count {
             ..=FEW => FEW_HORIZON,
-            _ if setting.can_rest => HORIZON,
-            _ => HORIZON_OF_FLIGHT,
+            _ if setting.can_rest => (HORIZON / f64::from(1 + self.haste)).max(1.0),
+            _ => (HORIZON_OF_FLIGHT / f64::from(1 + self.haste)).max(1.0),
         };
         let (of_all, of_own) = if setting.can_rest { COVERED } else { COVERED_IN_FLIGHT };
         let time = horizon * setting.substep;
