@@ -43,13 +43,14 @@ impl Elastic {
         if !elastic || balls.len() < 2 || tuning.substeps.is_some() {
             return None;
         }
+        if max_overlap(&mut Grid::new(balls, world.size), balls) > TOUCH {
+            return None;
+        }
         let exact = Exact::new(world, balls, tuning.rest_speed);
         // It would lay those to rest that have no room between walls.
-        let mut axes = free(balls).flat_map(|ball| [(ball.radius, 0), (ball.radius, 1)]);
-        let jammed = axes.any(|(radius, axis)| exact.jams(radius, axis));
-        let apart = || max_overlap(&mut Grid::new(balls, world.size), balls) <= TOUCH;
-        let suits = !jammed && apart();
-        suits.then(|| Self { tuning, way: Way::Events(Box::new(exact.while_it_keeps_pace(so_far))) })
+        let jams = |ball: &Ball| (0..2).any(|axis| exact.jams(ball.radius, axis));
+        let jammed = free(balls).any(jams);
+        (!jammed).then(|| Self { tuning, way: Way::Events(Box::new(exact.while_it_keeps_pace(so_far))) })
     }
 
     /// Begins anew with what was changed from outside, and returns whether events suit it.

@@ -153,9 +153,9 @@ impl Simulation {
     }
 
     /// The same simulation with so many threads for [`Solver::Contact`], the only solver that shares its work: it does
-    /// where there are some thousands of balls, and where it takes substeps. The result is the same, to the bit, whatever the number. There is one
-    /// unless told otherwise, and always where carom is built without its feature `parallel`; 0 counts as 1, and more
-    /// than [`limits::MAX_THREADS`] as that.
+    /// where there are some thousands of balls, and where it takes substeps. The result is the same, to the bit, whatever
+    /// the number. There is one unless told otherwise, and always where carom is built without its feature `parallel`;
+    /// 0 counts as 1, and more than [`limits::MAX_THREADS`] as that.
     #[must_use]
     pub fn with_threads(mut self, threads: u32) -> Self {
         self.tuning.threads = threads.clamp(1, MAX_THREADS);
@@ -182,8 +182,9 @@ impl Simulation {
     /// seconds that it has moved on. What is left out is time that was not simulated, not physics that was skipped: the
     /// state is the one at the time returned, and the next call goes on from there.
     ///
-    /// A solver whose work grows with what happens (`exact`, and `contact` where it goes from impact to impact) asks `go_on`
-    /// now and then, and `contact` after each of its substeps; one whose frame always costs about the same (`canvas`) never asks, and finishes.
+    /// A solver whose work grows with what happens (`exact`, and `contact` where it goes from impact to impact) asks
+    /// `go_on` now and then, and `contact` after each of its substeps; one whose frame always costs about the same
+    /// (`canvas`) never asks, and finishes.
     ///
     /// # Errors
     /// [`OutOfRange`] as for [`advance`](Self::advance); nothing has moved then.

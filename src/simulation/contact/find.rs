@@ -260,11 +260,9 @@ impl Near {
 
     /// How each of so many balls is covered where it is now.
     pub(super) fn cover(&self, count: usize, setting: &Setting) -> impl Fn(&Body) -> Home + use<> {
-        let horizon = match count {
-            ..=FEW => FEW_HORIZON,
-            _ if setting.can_rest => (HORIZON / f64::from(1 + self.haste)).max(1.0),
-            _ => (HORIZON_OF_FLIGHT / f64::from(1 + self.haste)).max(1.0),
-        };
+        let usual = if setting.can_rest { HORIZON } else { HORIZON_OF_FLIGHT };
+        let hasty = (usual / f64::from(1 + self.haste)).max(1.0);
+        let horizon = if count <= FEW { FEW_HORIZON } else { hasty };
         let (of_all, of_own) = if setting.can_rest { COVERED } else { COVERED_IN_FLIGHT };
         let time = horizon * setting.substep;
         let least = of_all * self.rms_speed * time;

@@ -29,9 +29,9 @@ const MOST_OF_FEW: u32 = 64;
 const MOST_FAR: u32 = 32;
 /// The same of a fast ball.
 const MOST_FAST: u32 = 256;
-/// The least and the greatest of these where balls are a crowd: after each impact all of a ball's pairs are looked at
-/// again, and what comes of it is no flight.
-const MOST_IN_CROWD: (u32, u32) = (1, 4);
+/// All three where balls are a crowd: after each impact all of a ball's pairs are looked at again, and what comes of it is
+/// no flight.
+const MOST_IN_CROWD: (u32, u32, u32) = (1, 1, 4);
 /// A ball that lies deep in more others than so many is in a crowd, as where a wall was moved over many that nothing slows
 /// down. Where so many pairs of such ones were looked at for each ball, on average, all are taken as a crowd from then on:
 /// what each of their impacts costs grows with their pairs.
@@ -117,7 +117,7 @@ impl Limits {
     pub(super) fn of(count: usize, worked_on: usize, crowd: bool, setting: &Setting) -> Self {
         let (most, most_far, most_fast) = match count {
             ..=FEW => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
-            _ if crowd => (MOST_IN_CROWD.0, MOST_IN_CROWD.0, MOST_IN_CROWD.1),
+            _ if crowd => MOST_IN_CROWD,
             _ if !setting.can_rest => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
             _ => (MOST, MOST_FAR, MOST_FAST),
         };
@@ -129,8 +129,7 @@ impl Limits {
     fn count(&mut self, pairs: usize) {
         self.looks = self.looks.saturating_sub(pairs);
         if self.looks == 0 {
-            let (most, most_fast) = MOST_IN_CROWD;
-            (self.most, self.most_far, self.most_fast) = (most, most, most_fast);
+            (self.most, self.most_far, self.most_fast) = MOST_IN_CROWD;
         }
     }
 

@@ -354,17 +354,14 @@ impl Exact {
 
     /// Whether it has stopped, for good.
     pub(super) fn is_outrun(&self) -> bool {
-        self.pace.is_some_and(|pace| pace.is_outrun(self.flights.len()))
+        self.is_stuck() || self.pace.is_some_and(|pace| pace.is_outrun(self.flights.len()))
     }
 
     /// Whether it has to stop because another event at this time would find balls wedged in.
     #[inline]
-    fn is_stuck(&mut self) -> bool {
+    fn is_stuck(&self) -> bool {
         // A constant first: this is asked after each event.
-        let stuck = self.at_once >= MOST_AT_ONCE && self.at_once >= self.most_at_once();
-        let Some(pace) = self.pace.as_mut().filter(|_| stuck) else { return false };
-        pace.stop();
-        true
+        self.at_once >= MOST_AT_ONCE && self.pace.is_some() && self.at_once >= self.most_at_once()
     }
 
     /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.

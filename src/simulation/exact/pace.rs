@@ -14,8 +14,6 @@ const LET_PASS_PER_BALL: f64 = 16.0;
 pub(in crate::simulation) struct Pace {
     /// Impacts that were too many, less those for which there was time since.
     ahead: f64,
-    /// Whether there have been too many at one time.
-    stuck: bool,
 }
 
 impl Pace {
@@ -25,14 +23,9 @@ impl Pace {
         self.ahead = (self.ahead + impacts - followed * seconds).max(0.0);
     }
 
-    /// Takes account of more impacts at one time than balls with room to move ever have.
-    pub(super) fn stop(&mut self) {
-        self.stuck = true;
-    }
-
     /// Whether impacts among so many balls have run too far ahead.
-    pub(super) fn is_outrun(&self, balls: usize) -> bool {
-        self.stuck || self.ahead > LET_PASS.max(LET_PASS_PER_BALL * balls as f64)
+    pub(super) fn is_outrun(self, balls: usize) -> bool {
+        self.ahead > LET_PASS.max(LET_PASS_PER_BALL * balls as f64)
     }
 }
 

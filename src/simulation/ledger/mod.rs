@@ -105,14 +105,15 @@ impl Ledger {
             return Ok(());
         }
         self.base.momentum_scale = self.base.momentum_scale.max(momentum_scale(&simulation.balls));
-        self.before.fast |= self.any_fast(simulation);
+        let fast = self.any_fast(simulation);
+        self.before.fast |= fast;
         if is_whole(simulation) {
-            let energy = self.check_energy(simulation)?;
+            let energy = self.check_energy(simulation, fast)?;
             self.check_momentum(simulation)?;
             self.before.energy = energy;
             // What may rise without bound is no less than it was: it is accounted for from here on.
             let unbounded = simulation.solver != Solver::Canvas && self.parts_overlaps(simulation);
-            if !unbounded && energy > self.base.least_energy && self.any_fast(simulation) {
+            if !unbounded && fast && energy > self.base.least_energy {
                 self.base.lifted += energy - self.base.least_energy;
                 self.base.least_energy = energy;
             }
@@ -121,7 +122,7 @@ impl Ledger {
                 self.base.energy_scale.max(energy_scale(&simulation.world, &simulation.balls));
         }
         self.check_overlap(simulation)?;
-        self.check_flights(simulation)?;
+        self.check_flights(simulation, fast)?;
         self.before.balls.copy_from_slice(&simulation.balls);
         (self.before.time, self.before.whole) = (simulation.time(), is_whole(simulation));
         Ok(())
@@ -159,8 +160,8 @@ impl Ledger {
         }
     }
 
-    /// The energy, where it is lawful.
-    fn check_energy(&self, simulation: &Simulation) -> Result<f64, Violation> {
+    /// The energy, where it is lawful; more is where a ball is `fast`.
+    fn check_energy(&self, simulation: &Simulation, fast: bool) -> Result<f64, Violation> {
         let (world, balls, base) = (&simulation.world, simulation.balls(), &self.base);
         let energy = invariants::energy(world, balls);
         let fall_of_all = world.gravity.unwrap_or_default().abs().dot(world.size) * base.mass;
@@ -182,12 +183,9 @@ impl Ledger {
                 (Solver::Contact, Some(gravity)) => {
                     // What begins to be held may show two kicks for a substep.
                     let kicks = 2.0 * gravity.length() / fewest_substeps(simulation);
-                    let more = if self.any_fast(simulation) {
-                        CONTACT_LIFT_OF_FAST * base.energy_scale
-                    } else {
-                        0.0
-                    };
-                    let lift = (CONTACT_LIFT * base.energy_scale).max(more - base.lifted);
+                    let lift = CONTACT_LIFT * base.energy_scale;
+                    let left = CONTACT_LIFT_OF_FAST * base.energy_scale - base.lifted;
+                    let lift = if fast { lift.max(left) } else { lift };
                     base.least_energy + lift + 0.5 * base.mass * kicks * kicks
                 }
             };
@@ -258,16 +256,14 @@ impl Ledger {
         Ok(())
     }
 
-    fn check_flights(&self, simulation: &Simulation) -> Result<(), Violation> {
+    fn check_flights(&self, simulation: &Simulation, fast: bool) -> Result<(), Violation> {
         let world = &simulation.world;
         let seconds = simulation.time() - self.before.time;
         let gravity = world.gravity.unwrap_or_default();
         let bounces = world.pairs == Some(Pairs::Impulse);
         let told = match claimed(simulation) {
             Solver::Canvas | Solver::Exact => true,
-            Solver::Contact => {
-                !bounces && self.before.whole && is_whole(simulation) && !self.any_fast(simulation)
-            }
+            Solver::Contact => !bounces && self.before.whole && is_whole(simulation) && !fast,
         };
         if !(self.flights && told) {
             return Ok(());
