@@ -1,0 +1,120 @@
+//! Frames evaluate substeps: whatever they are, the result is one, and in free flight that of `exact`.
+
+use super::*;
+
+#[test]
+fn free_flight_follows_the_parabola_whatever_the_frames() {
+    let world = World::new(DVec2::splat(1000.0)).unwrap().with_gravity(EARTH).unwrap();
+    let mut simulation = simulation(world, vec![moving(ball(0.0, 0.0, 5.0), 100.0, -300.0)]);
+    for delta in [0.013, 1.0 / 144.0, 0.5, 0.0, 0.25, 0.003] {
+        simulation.advance(delta).unwrap();
+        let t = simulation.time();
+        let want = DVec2::new(100.0 * t, -300.0 * t + 490.0 * t * t);
+        // Between two substeps the picture is on the chord: g·h²/8 = 2.1e-3 px beside the parabola at most.
+        assert!(simulation.balls()[0].position().distance(want) < 2.2e-3);
+        assert!((simulation.balls()[0].velocity() - DVec2::new(100.0, -300.0 + 980.0 * t)).length() < 1e-9);
+    }
+}
+
+/// The state of a scene after some seconds in frames of these deltas.
+fn after(seconds: f64, scene: &Scene, deltas: impl IntoIterator<Item = f64>) -> Vec<Ball> {
+    let mut simulation = scene.build().unwrap();
+    for delta in deltas {
+        simulation.advance(delta).unwrap();
+    }
+    assert!((simulation.time() - seconds).abs() < 1e-9);
+    simulation.balls().to_vec()
+}
+
+#[test]
+fn the_result_does_not_depend_on_how_time_is_cut_into_frames() {
+    let scene = Scene::load("gravity").unwrap().with_solver(Solver::Contact);
+    let once = after(2.0, &scene, [2.0]);
+    for rate in [24, 60, 75, 144, 240, 1000] {
+        let frames = std::iter::repeat_n(1.0 / f64::from(rate), 2 * rate as usize);
+        assert_eq!(after(2.0, &scene, frames), once, "{rate} frames a second");
+    }
+    let irregular = [0.0, 0.3, 0.001, 0.699, 1e-9, 1.0 - 1e-9];
+    assert_eq!(after(2.0, &scene, irregular), once);
+}
+
+/// Many that fall: substeps are halved while many are hit, and whole before and after.
+fn many() -> Scene {
+    let text = "solver = \"contact\"\nsize = [400, 300]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n\
+                [[fill]]\ncount = 300\nradius = [4, 8]\nrestitution = 0.7\n";
+    Scene::parse("many", text).unwrap()
+}
+
+#[test]
+fn the_result_for_many_does_not_depend_on_frames_that_end_within_substeps() {
+    let scene = many();
+    for seconds in [0.25, 1.0 + 1.0 / 240.0, 3.0] {
+        let once = after(seconds, &scene, [seconds]);
+        for rate in [24.0, 60.0, 144.0, 240.0, 1000.0] {
+            let whole = (seconds * rate) as usize;
+            let rest = seconds - whole as f64 / rate;
+            let frames = std::iter::repeat_n(1.0 / rate, whole).chain([rest]);
+            assert_eq!(after(seconds, &scene, frames), once, "{seconds} s at {rate} frames a second");
+        }
+    }
+}
+
+#[test]
+fn a_run_that_is_stopped_goes_on_from_there() {
+    for scene in [Scene::load("gravity").unwrap().with_solver(Solver::Contact), many()] {
+        let whole = after(2.0, &scene, [2.0]);
+        let mut simulation = scene.build().unwrap();
+        let mut left = 2.0;
+        while left > 1e-9 {
+            let mut looks = 0;
+            let done = simulation
+                .advance_while(left, || {
+                    looks += 1;
+                    looks < 7
+                })
+                .unwrap();
+            assert!(done > 0.0);
+            left -= done;
+        }
+        let apart = whole.iter().zip(simulation.balls()).map(|(a, b)| a.position().distance(b.position()));
+        assert!(apart.fold(0.0, f64::max) < 1e-6);
+    }
+}
+
+#[test]
+fn contact_agrees_with_exact_until_chaos_parts_them() {
+    let mut exact = Scene::load("elastic").unwrap().build().unwrap();
+    let mut contact = Scene::load("elastic").unwrap().with_solver(Solver::Contact).build().unwrap();
+    assert_eq!(exact.solver(), Solver::Exact);
+    for _ in 0..60 {
+        exact.advance(FRAME).unwrap();
+        contact.advance(FRAME).unwrap();
+    }
+    let apart = exact.balls().iter().zip(contact.balls()).map(|(a, b)| a.position().distance(b.position()));
+    assert!(apart.fold(0.0, f64::max) < 1e-6);
+    assert_eq!(exact.tally().impacts, contact.tally().impacts);
+}
+
+/// The largest distance between places of the same ball.
+fn farthest(one: &Simulation, other: &Simulation) -> f64 {
+    let pairs = one.balls().iter().zip(other.balls());
+    pairs.map(|(a, b)| a.position().distance(b.position())).fold(0.0, f64::max)
+}
+
+#[test]
+fn flying_balls_fly_as_in_exact_whatever_the_substep() {
+    for (scene, time, slowest, bound) in
+        [("elastic", 1.0, 30, 1e-5), ("inelastic", 1.0, 60, 1e-7), ("gravity", 0.5, 30, 1e-8)]
+    {
+        let build = |solver| Scene::load(scene).unwrap().with_solver(solver).build().unwrap();
+        let mut exact = build(Solver::Exact).with_rest_speed(1e-6).unwrap();
+        exact.advance(time).unwrap();
+        for doublings in 0..7 {
+            let mut contact = build(Solver::Contact).with_substeps(slowest << doublings).unwrap();
+            contact.advance(time).unwrap();
+            let error = farthest(&contact, &exact);
+            assert!(error < bound, "{scene} in substeps of 1/{}: {error:e}", slowest << doublings);
+            assert_eq!(contact.tally().impacts, exact.tally().impacts);
+        }
+    }
+}

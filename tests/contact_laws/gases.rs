@@ -1,0 +1,144 @@
+//! Balls that fly and hit each other: their energy and momentum, and that none lies in another.
+
+use super::*;
+
+#[test]
+fn an_elastic_gas_keeps_its_energy_and_leaves_no_overlap() {
+    let text =
+        "size = [400, 400]\n[walls]\n[pairs]\n[[fill]]\ncount = 300\nradius = [3, 8]\nspeed = [0, 300]\n";
+    let scene = Scene::parse("gas", text).unwrap().with_solver(Solver::Contact);
+    for mut simulation in both_ways(&scene.build().unwrap()) {
+        let start = energy(&simulation);
+        for _ in 0..600 {
+            simulation.advance(FRAME).unwrap();
+            assert!((energy(&simulation) / start - 1.0).abs() < 1e-9);
+        }
+        assert!(simulation.tally().impacts > 10_000);
+        assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+        assert!(overlap(&simulation) < 1e-9, "{}", overlap(&simulation));
+    }
+}
+
+#[test]
+fn elastic_balls_that_hardly_have_room_hit_each_other_however_often_and_lie_in_none() {
+    // Neighbours a thousandth of a diameter apart, each hit some ten times in a substep.
+    let (side, pitch) = (16_u32, 6.0 * 1.001);
+    let rise = pitch * 0.75_f64.sqrt();
+    let place = |k: u32| {
+        let (column, row) = (f64::from(k % side), f64::from(k / side));
+        let turn = DVec2::from_angle(2.4 * f64::from(k));
+        let at = ball(3.003 + pitch * (column + 0.5 * (row % 2.0)), 3.003 + rise * row, 3.0);
+        moving(at, 10.0 * turn.x, 10.0 * turn.y)
+    };
+    let height = 6.0 + rise * f64::from(side - 1) + 0.006;
+    let world = world(pitch * (f64::from(side) + 0.5), height, 1.0);
+    for mut simulation in both_ways(&simulation(world, (0..side * side).map(place).collect())) {
+        let start = energy(&simulation);
+        for _ in 0..24 {
+            simulation.advance(1.0 / 240.0).unwrap();
+            assert!(overlap(&simulation) < 1e-9, "{:e}", overlap(&simulation));
+            assert!((energy(&simulation) / start - 1.0).abs() < 1e-12);
+        }
+        let impacts = simulation.tally().impacts;
+        assert!(impacts > 24 * 5 * u64::from(side * side), "{impacts}");
+    }
+}
+
+#[test]
+fn thousands_of_elastic_balls_keep_their_energy_and_get_their_momentum_from_the_walls_alone() {
+    let text =
+        "size = [1300, 1200]\n[walls]\n[pairs]\n[[fill]]\ncount = 3000\nradius = [3, 8]\nspeed = [0, 300]\n";
+    let scene = Scene::parse("gas", text).unwrap().with_solver(Solver::Contact);
+    for mut simulation in both_ways(&scene.build().unwrap()) {
+        let (start, before) = (energy(&simulation), momentum(simulation.balls()));
+        let scale: f64 = simulation.balls().iter().map(|ball| ball.mass() * 300.0).sum();
+        for _ in 0..200 {
+            simulation.advance(FRAME).unwrap();
+            assert!((energy(&simulation) / start - 1.0).abs() < 1e-9);
+            let from_walls = before + simulation.tally().wall_impulse;
+            assert!((momentum(simulation.balls()) - from_walls).length() < 1e-9 * scale);
+        }
+        assert!(simulation.tally().impacts > 30_000);
+        assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+        assert!(overlap(&simulation) < 1e-9, "{}", overlap(&simulation));
+    }
+}
+
+#[test]
+fn momentum_is_kept_where_nothing_holds_the_balls() {
+    let text = "size = [400, 400]\n[pairs]\n[[fill]]\ncount = 200\nradius = [3, 8]\nspeed = 300\nrestitution = 0.5\n";
+    let mut simulation = Scene::parse("cloud", text).unwrap().with_solver(Solver::Contact).build().unwrap();
+    let scale: f64 = simulation.balls().iter().map(|ball| ball.mass() * 300.0).sum();
+    let start = momentum(simulation.balls());
+    for _ in 0..120 {
+        simulation.advance(FRAME).unwrap();
+    }
+    assert!(simulation.tally().impacts > 50);
+    assert!((momentum(simulation.balls()) - start).length() < 1e-12 * scale);
+}
+
+#[test]
+fn balls_of_a_fast_gas_are_never_in_each_other_at_the_end_of_a_substep() {
+    // Each goes nearly three radii in a substep, in which a hundred others may come near.
+    for (restitution, speed) in [(1.0, 2000.0), (0.95, 5000.0)] {
+        let balls = (0..300).map(|k| {
+            let ball = ball(11.0 * f64::from(k % 18) + 6.0, 11.0 * f64::from(k / 18) + 6.0, 3.0);
+            let turn = f64::from(k) * 2.3;
+            moving(ball.with_restitution(restitution).unwrap(), speed * turn.cos(), speed * turn.sin())
+        });
+        let gas = simulation(world(206.0, 206.0, 1.0), balls.collect());
+        let mut gas = gas.with_substeps(240).unwrap();
+        for substep in 0..120 {
+            gas.advance(1.0 / 240.0).unwrap();
+            let deepest = overlap(&gas);
+            assert!(deepest < 1e-6, "restitution {restitution}, substep {substep}: {deepest} of a radius");
+        }
+    }
+}
+
+#[test]
+fn elastic_balls_that_a_wall_sweeps_together_have_few_impacts_in_a_substep() {
+    // Half of them lie in a strip along the wall, deep in others.
+    let balls = (0..3000).map(|k| {
+        let (k, column, row) = (f64::from(k), f64::from(k % 75), f64::from(k / 75));
+        let place = if k % 2.0 == 0.0 {
+            DVec2::new(3.0 + 0.01 * column, 7.0 * row + 5.0)
+        } else {
+            DVec2::new(8.0 * column + 12.0, 7.0 * row + 5.0)
+        };
+        moving(ball(place.x, place.y, 3.0), 200.0 * (1.7 * k).sin(), 200.0 * (2.3 * k).sin())
+    });
+    let mut simulation = simulation(world(640.0, 300.0, 1.0), balls.collect());
+    let start = energy(&simulation);
+    for _ in 0..20 {
+        let before = simulation.tally().impacts;
+        simulation.advance(1.0 / 240.0).unwrap();
+        let impacts = simulation.tally().impacts - before;
+        assert!(impacts < 4 * 3000, "{impacts} impacts");
+        assert!((energy(&simulation) / start - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn elastic_balls_that_fall_and_bounce_in_a_box_keep_their_energy() {
+    let mut changes: Vec<f64> = (0..10).map(elastic_box).collect();
+    changes.sort_by(f64::total_cmp);
+    // Three that meet at a wall within a substep, or graze each other there, may be held without restitution.
+    assert!(changes[7] < 1e-13 && changes[9] < 1e-3, "{changes:?}");
+}
+
+/// By how much of itself the energy of thirty elastic balls changes in ten seconds in a box that they fill to two
+/// fifths, px; each number is another game.
+fn elastic_box(number: u32) -> f64 {
+    let world = World::new(DVec2::splat(170.0)).unwrap().with_walls(1.0).unwrap();
+    let world = world.with_gravity(DVec2::new(0.0, 980.0)).unwrap().with_pairs(Pairs::Impulse);
+    let of = |k: u32| {
+        let position = 15.0 + 28.0 * DVec2::new(f64::from(k % 6), f64::from(k / 6));
+        let velocity = 150.0 * DVec2::from_angle(f64::from(2 * k + number));
+        Ball::new(position, 10.0).unwrap().with_velocity(velocity).unwrap()
+    };
+    let mut simulation = Simulation::new(world, (0..30).map(of).collect(), Solver::Contact).unwrap();
+    let start = energy(&simulation);
+    (0..600).for_each(|_| simulation.advance(FRAME).unwrap());
+    (energy(&simulation) / start - 1.0).abs()
+}

@@ -1,0 +1,140 @@
+//! Single impacts, and few balls between walls, at any speed and of any mass.
+
+use super::*;
+
+#[test]
+fn a_ball_gives_back_its_restitution_from_a_wall_at_any_speed() {
+    for e in [0.1, 0.7, 0.999, 1.0] {
+        for speed in [1.0, 30.0, 1e3, 1e5, 1e8] {
+            let start = ball(50.0, 50.0, 10.0).with_restitution(e).unwrap();
+            let mut simulation = simulation(world(1000.0, 100.0, e), vec![moving(start, -speed, 0.0)]);
+            while simulation.tally().wall_hits == 0 {
+                simulation.advance(1.0 / 240.0).unwrap();
+                assert!(simulation.time() < 50.0);
+            }
+            let hits = i32::try_from(simulation.tally().wall_hits).unwrap();
+            let left = simulation.balls()[0].velocity().length();
+            assert!((left / (speed * e.powi(hits)) - 1.0).abs() < 1e-12, "{e} {speed}: {left} after {hits}");
+        }
+    }
+}
+
+#[test]
+fn two_balls_give_back_their_restitution_at_any_speed() {
+    for e in [0.0, 0.1, 0.7, 1.0] {
+        for speed in [1.0, 30.0, 1e3, 1e5] {
+            let world = World::new(DVec2::splat(1000.0)).unwrap().with_pairs(Pairs::Impulse);
+            let one = moving(ball(400.0, 500.0, 10.0), speed, 0.0).with_restitution(e).unwrap();
+            let other = ball(430.0, 500.0, 10.0).with_mass(3.0).unwrap();
+            for mut simulation in both_ways(&simulation(world, vec![one, other])) {
+                // At least a substep: within one the picture lies between its ends.
+                simulation.advance((20.0 / speed).max(1.0 / 240.0)).unwrap();
+                let parting = simulation.balls()[1].velocity().x - simulation.balls()[0].velocity().x;
+                assert!((parting - e * speed).abs() < 1e-12 * speed, "{e} {speed}: {parting}");
+                assert_eq!(simulation.tally().impacts, 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_dropped_ball_bounces_as_high_as_its_restitution_says_and_comes_to_rest() {
+    // h·e² after the first bounce, in closed form within the substep; at rest after √(2h/g)·(1+e)/(1−e).
+    let (e, fall) = (0.8, 200.0);
+    let start = ball(100.0, 400.0 - 10.0 - fall, 10.0);
+    let mut simulation = simulation(world(200.0, 400.0, e).with_gravity(EARTH).unwrap(), vec![start]);
+    let down = (2.0 * fall / EARTH.y).sqrt();
+    let top = down * (1.0 + e);
+    simulation.advance(top).unwrap();
+    let height = 390.0 - simulation.balls()[0].position().y;
+    assert!((height - fall * e * e).abs() < 1e-3 * fall, "{height}");
+    let rest = down * (1.0 + e) / (1.0 - e);
+    simulation.advance(rest - top - 0.1).unwrap();
+    assert!(simulation.balls()[0].velocity().length() > 1.0);
+    simulation.advance(0.2).unwrap();
+    assert_eq!(simulation.balls()[0].velocity(), DVec2::ZERO);
+    assert_eq!(simulation.balls()[0].position().y, 390.0);
+}
+
+#[test]
+fn a_bullet_passes_through_nothing_at_any_speed() {
+    for speed in [1e3, 1e4, 1e5, 1e6, 1e8] {
+        // A row of light discs across its way: it must move the first of them, whatever the substep.
+        let mut balls = vec![moving(ball(30.0, 200.0, 3.0), speed, 0.0)];
+        balls
+            .extend((0..5).map(|k| ball(400.0 + 100.0 * f64::from(k), 200.0, 20.0).with_mass(50.0).unwrap()));
+        for mut simulation in both_ways(&simulation(world(1000.0, 400.0, 1.0), balls)) {
+            let start = energy(&simulation);
+            let mut order_kept = true;
+            for _ in 0..60 {
+                simulation.advance(FRAME).unwrap();
+                assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+                // All on one line, and none can go round another.
+                let xs: Vec<f64> = simulation.balls().iter().map(|ball| ball.position().x).collect();
+                order_kept &= xs.windows(2).all(|pair| pair[0] < pair[1]);
+            }
+            assert!(order_kept, "{speed}");
+            assert!((energy(&simulation) / start - 1.0).abs() < 1e-9, "{speed}");
+            assert!(simulation.tally().impacts > 0);
+        }
+    }
+}
+
+/// Galperin's billiard (2003): ⌊π·10ⁿ⌋ impacts, the wall's included, where the heavy ball has 100ⁿ times the light one's mass.
+/// More than n = 4 are more than a substep takes: time goes more slowly then for those two, and they stay in their order.
+#[test]
+fn a_light_ball_turns_a_heavy_one_back_before_the_wall_whatever_its_mass() {
+    for (mass, impacts) in
+        [(1e4, Some(314)), (1e6, Some(3141)), (1e8, Some(31415)), (1e12, None), (1e18, None)]
+    {
+        let heavy = ball(350.0, 50.0, 10.0).with_mass(mass).unwrap();
+        let balls = vec![ball(30.0, 50.0, 10.0), moving(heavy, -200.0, 0.0)];
+        for mut simulation in both_ways(&simulation(world(400.0, 100.0, 1.0), balls)) {
+            let start = energy(&simulation);
+            for frame in 0..240 {
+                simulation.advance(FRAME).unwrap();
+                let [light, heavy] = simulation.balls() else { panic!("there are two balls") };
+                let gap = heavy.position().x - light.position().x - 20.0;
+                assert!(gap > -1e-6, "{mass:e}, frame {frame}: {gap} px between them");
+                assert!((energy(&simulation) / start - 1.0).abs() < 1e-9, "{mass:e}, frame {frame}");
+                // Until it is back at the wall on the other side.
+                if heavy.velocity().x > 0.0 && heavy.position().x > 380.0 {
+                    break;
+                }
+            }
+            let tally = simulation.tally();
+            if let Some(impacts) = impacts {
+                assert_eq!(tally.impacts + tally.wall_hits, impacts, "{mass:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_heavy_ball_that_falls_on_a_light_one_gains_nothing_and_does_not_pass_it() {
+    for e in [1.0, 0.9] {
+        for (mass, others) in [1e2, 1e4, 1e6, 1e8, 1e10, 1e12].into_iter().flat_map(|m| [(m, 0), (m, 50)]) {
+            let heavy = moving(ball(50.0, 300.0, 10.0).with_mass(mass).unwrap(), 0.0, 200.0);
+            let mut balls = vec![ball(50.0, 485.0, 10.0), heavy];
+            balls.extend(
+                (0..others)
+                    .map(|k| ball(200.0 + f64::from(k % 10 * 30), 100.0 + f64::from(k / 10 * 30), 10.0)),
+            );
+            let balls = balls.into_iter().map(|ball| ball.with_restitution(e).unwrap()).collect();
+            let world = world(600.0, 500.0, e).with_gravity(EARTH).unwrap();
+            let mut simulation = simulation(world, balls);
+            let start = energy(&simulation);
+            for frame in 0..600 {
+                simulation.advance(FRAME).unwrap();
+                let now = energy(&simulation) / start;
+                assert!(now < 1.01, "{mass:e} beside {others}, restitution {e}, frame {frame}: {now}");
+                if (mass, e) == (1e2, 1.0) && others == 0 {
+                    assert!(now > 0.9999, "frame {frame}: {now}");
+                }
+                let [light, heavy, ..] = simulation.balls() else { panic!("there are two balls") };
+                let gap = light.position().y - heavy.position().y - 20.0;
+                assert!(gap > -0.2, "{mass:e} beside {others}, restitution {e}, frame {frame}: {gap} px");
+            }
+        }
+    }
+}
