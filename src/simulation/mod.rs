@@ -79,6 +79,15 @@ impl Tally {
         self.wall_hits += other.wall_hits;
         self.wall_impulse += other.wall_impulse;
     }
+
+    /// What has happened since it was `before`.
+    fn since(&self, before: &Self) -> Self {
+        Self {
+            impacts: self.impacts - before.impacts,
+            wall_hits: self.wall_hits - before.wall_hits,
+            wall_impulse: self.wall_impulse - before.wall_impulse,
+        }
+    }
 }
 
 impl Simulation {

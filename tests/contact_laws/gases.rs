@@ -65,6 +65,45 @@ fn thousands_of_elastic_balls_keep_their_energy_and_get_their_momentum_from_the_
 }
 
 #[test]
+fn thousands_of_balls_in_a_substep_meet_each_other_in_the_order_of_time_as_with_exact() {
+    let fill = "[[fill]]\ncount = 4000\nradius = [2, 6]\nspeed = [0, 300]";
+    let cases = [
+        ("elastic", 800.0, fill.to_owned()),
+        ("granular", 800.0, format!("{fill}\nrestitution = 0.95")),
+        (
+            "bullet",
+            800.0,
+            format!("[[ball]]\nposition = [450, 300]\nradius = 5\nvelocity = [9000, 5000]\n{fill}"),
+        ),
+        ("fixed", 850.0, format!("[[ball]]\nposition = [450, 300]\nradius = 90\nfixed = true\n{fill}")),
+    ];
+    for (case, width, balls) in cases {
+        let text = format!("size = [{width}, 600]\n[walls]\n[pairs]\n{balls}");
+        let scene = Scene::parse(case, &text).unwrap().with_solver(Solver::Contact);
+        let mut simulation = scene.build().unwrap().with_substeps(240).unwrap();
+        let mut all = 0;
+        for substep in 0..24 {
+            let (world, balls) = (*simulation.world(), simulation.balls().to_vec());
+            let mut exact = Simulation::new(world, balls, Solver::Exact).unwrap();
+            let before = simulation.tally();
+            simulation.advance(1.0 / 240.0).unwrap();
+            exact.advance(1.0 / 240.0).unwrap();
+            let impacts = simulation.tally().impacts - before.impacts;
+            assert_eq!(impacts, exact.tally().impacts, "{case}, substep {substep}");
+            assert_eq!(simulation.tally().wall_hits - before.wall_hits, exact.tally().wall_hits);
+            assert!(simulation.touching() == exact.touching(), "{case}, substep {substep}");
+            let apart = simulation.balls().iter().zip(exact.balls());
+            let apart = apart.map(|(one, other)| one.position().distance(other.position()));
+            let apart = apart.fold(0.0, f64::max);
+            assert!(apart < 1e-7, "{case}, substep {substep}: {apart} px from where exact has it");
+            assert!(overlap(&simulation) < 1e-9, "{case}, substep {substep}: {}", overlap(&simulation));
+            all += impacts;
+        }
+        assert!(all > 6000, "{case} is too thin: {all} impacts");
+    }
+}
+
+#[test]
 fn momentum_is_kept_where_nothing_holds_the_balls() {
     let text = "size = [400, 400]\n[pairs]\n[[fill]]\ncount = 200\nradius = [3, 8]\nspeed = 300\nrestitution = 0.5\n";
     let mut simulation = Scene::parse("cloud", text).unwrap().with_solver(Solver::Contact).build().unwrap();

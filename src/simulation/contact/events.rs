@@ -9,13 +9,13 @@ pub(super) struct Spot {
     pub(super) at: u32,
 }
 
-/// An impact that is foreseen, while both bodies have been hit so often.
+/// An impact that is foreseen, while both bodies are on these courses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Event {
     /// s after the substep's beginning.
     pub(super) time: f64,
     pub(super) what: What,
-    pub(super) hits: (u32, u32),
+    pub(super) courses: [u32; 2],
 }
 
 /// What is foreseen.

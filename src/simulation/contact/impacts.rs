@@ -22,16 +22,16 @@ use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
 use super::{Body, SHIFT, Setting, Tally};
 
 /// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
-const MOST: u32 = 8;
+const MOST: u16 = 8;
 /// The same among few balls, where each counts, and where nothing ever rests, since no support holds what is left there.
-const MOST_OF_FEW: u32 = 64;
+const MOST_OF_FEW: u16 = 64;
 /// The same of one that comes from far away: what supports it knows less of its way.
-const MOST_FAR: u32 = 32;
+const MOST_FAR: u16 = 32;
 /// The same of a fast ball.
-const MOST_FAST: u32 = 256;
+const MOST_FAST: u16 = 256;
 /// All three where balls are a crowd: after each impact all of a ball's pairs are looked at again, and what comes of it is
 /// no flight.
-const MOST_IN_CROWD: (u32, u32, u32) = (1, 1, 4);
+const MOST_IN_CROWD: (u16, u16, u16) = (1, 1, 4);
 /// A ball that lies deep in more others than so many is in a crowd, as where a wall was moved over many that nothing slows
 /// down. Where so many pairs of such ones were looked at for each ball, on average, all are taken as a crowd from then on:
 /// what each of their impacts costs grows with their pairs.
@@ -59,7 +59,9 @@ pub(super) struct Stage<'a> {
 pub(super) struct Fate {
     /// When it was last hit, s after the substep's beginning, and how often it was.
     pub(super) time: f64,
-    pub(super) hits: u32,
+    pub(super) hits: u16,
+    /// How often hits of it were taken back.
+    undone: u16,
     /// Whether it is too slow to hit firmly those that it presses on.
     slow: bool,
     pub(super) fast: bool,
@@ -79,6 +81,17 @@ pub(super) enum Shift {
 }
 
 impl Fate {
+    /// What tells its course from all others that it had in this substep.
+    #[inline]
+    pub(super) fn course(&self) -> u32 {
+        u32::from(self.hits) | u32::from(self.undone) << u16::BITS
+    }
+
+    /// What it was before some hits. What was foreseen of the body then does not hold any more.
+    pub(super) fn back_to(&mut self, before: Self) {
+        *self = Self { undone: self.undone.wrapping_add(1), ..before };
+    }
+
     /// Changes the velocity of its body, after all impacts.
     pub(super) fn slow_down(&mut self, setting: &Setting, body: &mut Body, change: DVec2) {
         // A fast one may have had its last impact, and its end, at any time: it stays where it would be in the end.
@@ -101,9 +114,9 @@ impl Shift {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// How often a body may be that is not fast; that comes from far away; and that is fast.
-    most: u32,
-    most_far: u32,
-    most_fast: u32,
+    most: u16,
+    most_far: u16,
+    most_fast: u16,
     /// How many pairs of balls in a crowd may be looked at.
     looks: usize,
     /// Whether a fast one was hit so often that the substep ends for all of them.
@@ -139,7 +152,7 @@ impl Limits {
     }
 
     /// How often a body may be that is shifted so, and not fast.
-    fn most(&self, shift: Shift) -> u32 {
+    fn most(&self, shift: Shift) -> u16 {
         if shift == Shift::Far { self.most_far } else { self.most }
     }
 }
@@ -214,8 +227,14 @@ impl Stage<'_> {
         places.truncate(left);
     }
 
-    /// Foresees the impacts of a body that was hit. Its pairs must be linked.
-    pub(super) fn foresee(&mut self, body: usize, stripes: &mut Stripes<'_>) {
+    /// Foresees the impacts of a body that was hit. Its pairs must be linked. Each is handed to `look` with its two bodies,
+    /// too.
+    pub(super) fn foresee(
+        &mut self,
+        body: usize,
+        stripes: &mut Stripes<'_>,
+        mut look: impl FnMut(Spot, [&Fate; 2]),
+    ) {
         let layout = stripes.layout;
         if self.fates[body].fast {
             self.foresee_fast_wall(body);
@@ -231,6 +250,8 @@ impl Stage<'_> {
             let mut cursor = stripe.links.begin((body - start) as u32);
             while let Some(at) = stripe.links.next(&mut cursor) {
                 let spot = Spot { stripe: number as u32, at: at as u32 };
+                let bodies = stripe.pairs[at].from(start);
+                look(spot, [bodies.first, bodies.second].map(|body| &self.fates[body as usize]));
                 deep += u32::from(self.foresee_pair(spot, stripe, start));
                 pairs += 1;
             }
@@ -251,7 +272,7 @@ impl Stage<'_> {
             self.queue.push(Event {
                 time: time.max(fate.time),
                 what: What::Wall(spot),
-                hits: (fate.hits, 0),
+                courses: [fate.course(), 0],
             });
         }
     }
@@ -264,7 +285,7 @@ impl Stage<'_> {
             && let Some((time, axis)) = first_wall(self.setting, &self.bodies[body], fate.time)
         {
             let what = What::FastWall(body as u32, axis as u8);
-            self.queue.push(Event { time, what, hits: (fate.hits, 0) });
+            self.queue.push(Event { time, what, courses: [fate.course(), 0] });
         }
     }
 
@@ -288,21 +309,33 @@ impl Stage<'_> {
     fn foresee_meeting(&mut self, spot: Spot, stripe: &Stripe, start: usize) {
         let at = spot.at as usize;
         let pair = stripe.pairs[at].from(start);
-        let (i, j) = (pair.first as usize, pair.second as usize);
-        let (first, second) = (&self.fates[i], &self.fates[j]);
+        let [one, other] = [pair.first, pair.second].map(|body| body as usize);
+        let [one, other] = [one, other].map(|body| (&self.bodies[body], &self.fates[body]));
+        let since = one.1.time.max(other.1.time);
+        if let Some(meeting) = self.meeting_of(stripe, at, [one, other], since) {
+            let courses = [one.1.course(), other.1.course()];
+            self.queue.push(Event { time: meeting.time, what: What::Pair(spot), courses });
+        }
+    }
+
+    /// Whether, and how, a pair meets after `since` while its two balls move like this.
+    #[inline]
+    pub(super) fn meeting_of(
+        &self,
+        stripe: &Stripe,
+        at: usize,
+        [(one, first), (other, second)]: [(&Body, &Fate); 2],
+        since: f64,
+    ) -> Option<Meeting> {
         let marks = stripe.marks[at];
         let presses = marks.has(Marks::HELD) && first.slow && second.slow;
         let fast = first.fast || second.fast;
         let most = self.limits.most(first.shift.max(second.shift));
         let enough = if fast { self.limits.ended } else { first.hits.max(second.hits) >= most };
-        let hits = (first.hits, second.hits);
-        if !marks.has(Marks::IDLE)
-            && !presses
-            && !enough
-            && let Some(meeting) = self.meeting((i, j), stripe.firm(at, self.setting))
-        {
-            self.queue.push(Event { time: meeting.time, what: What::Pair(spot), hits });
+        if marks.has(Marks::IDLE) || presses || enough {
+            return None;
         }
+        Meeting::of(self.setting, one, other, stripe.firm(at, self.setting), since)
     }
 
     /// Whether, and how, two bodies meet in this substep after both were hit.
@@ -324,9 +357,8 @@ impl Stage<'_> {
     }
 
     /// Whether neither of an impact's bodies was hit since it was foreseen.
-    pub(super) fn still_holds(&self, event: &Event, [first, second]: [Option<usize>; 2]) -> bool {
-        let hits = |body: Option<usize>| body.map_or(0, |body| self.fates[body].hits);
-        event.hits == (hits(first), hits(second))
+    pub(super) fn still_holds(&self, event: &Event, bodies: [Option<usize>; 2]) -> bool {
+        event.courses == bodies.map(|body| body.map_or(0, |body| self.fates[body].course()))
     }
 
     /// Takes an impact of bodies that were not hit since it was foreseen. Those that were hit.

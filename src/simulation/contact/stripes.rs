@@ -8,6 +8,7 @@ use super::events::Event;
 use super::holds::{Beside, Given, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
 use super::order::{Heights, Kept, Known, Links};
+use super::rewind::Taken;
 use super::support::Floor;
 use super::take_up::Followed;
 use super::{Body, DVec2, PRESSED, Setting};
@@ -60,6 +61,8 @@ pub(super) struct Stripe {
     /// Impacts that are left to a later turn, and bodies whose impacts are after they were hit.
     pub(super) left_events: Vec<Event>,
     pub(super) left_bodies: Vec<u32>,
+    /// Impacts that were taken in turns that began with this stripe.
+    pub(super) taken: Vec<Taken>,
     /// Balls that were kept from going where they are not covered.
     pub(super) strays: Vec<u32>,
     /// Balls that what held them has thrown.

@@ -4,18 +4,17 @@
 //! stripe, or that were hit and have pairs there, and those that may come of these. They are taken by twos of stripes that
 //! know the seam between them, first those of every other seam, then of the others; and what these leave, with all that
 //! is asleep, was sent where it is not covered, or is hit without end, by all stripes together. Each turn takes its
-//! impacts in the order of time, too, but after those of the turns before: near an edge a ball that is hit more than once
-//! in a substep may be hit in another order than in time. What it then meets it still meets, from when it was last hit:
-//! nothing is passed through, and no impact gives energy.
+//! impacts in the order of time, too, and takes back those of earlier turns that they forestall (`rewind`).
 
 use std::collections::BinaryHeap;
 use std::mem::take;
 
 use super::cover::Home;
-use super::events::Event;
+use super::events::{Event, Spot};
 use super::find::Near;
 use super::impacts::{Fate, Limits, Stage};
 use super::layout::{Layer, Layout};
+use super::rewind::{Elsewhere, Past};
 use super::stripes::{Stripe, Stripes};
 use super::{Contact, Tally};
 
@@ -26,13 +25,15 @@ pub(super) struct Course {
     pub(super) fates: Vec<Fate>,
     /// For each body, the first turn that may take its impacts.
     turns: Vec<Turn>,
+    /// For each body, its last impact of this substep, if it had any.
+    lasts: Vec<Spot>,
     /// Those that are foreseen in the last.
     queue: BinaryHeap<Event>,
 }
 
 /// Who takes impacts, in the order in which they do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Turn {
+pub(super) enum Turn {
     Stripes,
     Even,
     Odd,
@@ -64,23 +65,32 @@ impl Contact {
         if near.layout.is_cut() {
             self.course.turns.clear();
             self.course.turns.resize(self.bodies.len(), Turn::Stripes);
-            self.turn(Layer::Own, |mut work| work.begin());
-            self.turn(Layer::Seams, |mut work| work.leave_all(Turn::of_seam(work.first)));
-            self.turn(Layer::Rest, |mut work| work.leave_all(Turn::All));
-            self.turn(Layer::Own, |work| work.take_own(Turn::Stripes));
-            self.turn(Layer::Even, |work| work.take_own(Turn::Even));
-            self.turn(Layer::Odd, |work| work.take_own(Turn::Odd));
+            self.course.lasts.clear();
+            self.course.lasts.resize(self.bodies.len(), Past::NOTHING);
+            self.turn(Turn::Stripes, Layer::Own, |mut work| work.begin());
+            self.turn(Turn::Stripes, Layer::Seams, |mut work| {
+                work.leave_all(Turn::of_seam(work.past.first));
+            });
+            self.turn(Turn::Stripes, Layer::Rest, |mut work| work.leave_all(Turn::All));
+            self.turn(Turn::Stripes, Layer::Own, |mut work| work.take_own());
+            self.turn(Turn::Even, Layer::Even, |mut work| work.take_own());
+            self.turn(Turn::Odd, Layer::Odd, |mut work| work.take_own());
         }
         let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, .. } = self else {
             return;
         };
-        let Course { fates, queue, .. } = course;
+        let Course { fates, queue, lasts, .. } = course;
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
-        take_left(Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits }, near);
+        let stage = Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits };
+        if near.layout.is_cut() {
+            take_left(stage, near, Past { now: Turn::All, first: 0, start: 0, lasts, later: Vec::new() });
+        } else {
+            take_all(stage, near);
+        }
     }
 
     /// Works on each part of a layer by itself.
-    fn turn(&mut self, layer: Layer, work: impl Fn(Work<'_>) + Sync + Send) {
+    fn turn(&mut self, now: Turn, layer: Layer, work: impl Fn(Work<'_>) + Sync + Send) {
         let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, team, .. } = self
         else {
             return;
@@ -92,11 +102,12 @@ impl Contact {
         let shares = shares.zip(layout.share(layer, hit)).zip(layout.share_read(layer, &near.homes));
         let shares = shares.zip(layout.share_read(layer, &near.crossing));
         let shares = shares.zip(layout.share(layer, &mut course.turns));
-        team.each(shares, |share| {
+        let shares = shares.zip(layout.share(layer, &mut course.lasts));
+        team.each(shares, |(share, lasts)| {
             let ((((((((stripes, bodies), fates), restitutions), rests), hit), homes), crossing), turns) =
                 share;
             let (first, list) = stripes;
-            let (mut tally, mut queue) = (list[0].tally, take(&mut list[0].queue));
+            let (mut tally, mut queue) = (Tally::default(), take(&mut list[0].queue));
             let (counts, events) = (&mut tally, &mut queue);
             let limits = Limits::of(count, bodies.len(), crowd, setting);
             let stage = Stage {
@@ -114,8 +125,10 @@ impl Contact {
                 layout: if list.len() == 1 { Layout::ONE } else { layout.of_block() },
                 list: &mut *list,
             };
-            work(Work { stage, layout, first, stripes, homes, crossing, turns });
-            (list[0].tally, list[0].queue) = (tally, queue);
+            let past = Past { now, first, start: layout.start(first), lasts, later: Vec::new() };
+            work(Work { stage, layout, stripes, homes, crossing, turns, past, struck: Vec::new() });
+            list[0].tally.add(&tally);
+            list[0].queue = queue;
         });
     }
 }
@@ -123,19 +136,23 @@ impl Contact {
 /// A stripe, or a block of them, that is worked on by itself.
 struct Work<'a> {
     stage: Stage<'a>,
-    /// That of all stripes, and the number of the first among them.
+    /// That of all stripes.
     layout: Layout,
-    first: usize,
     stripes: Stripes<'a>,
     homes: &'a [Home],
     crossing: &'a [Layer],
     turns: &'a mut [Turn],
+    past: Past<'a>,
+    /// Bodies whose impacts are to be foreseen, from when on.
+    struck: Vec<(usize, f64)>,
 }
 
 impl Work<'_> {
     /// Begins a substep of a stripe.
     fn begin(&mut self) {
-        *self.stage.tally = Tally::default();
+        let stripe = &mut self.stripes.list[0];
+        stripe.tally = Tally::default();
+        stripe.taken.clear();
         let has_fast = self.stage.begin();
         self.foresee_all();
         if has_fast {
@@ -163,8 +180,9 @@ impl Work<'_> {
     }
 
     /// Takes the impacts that nothing outside can come into.
-    fn take_own(mut self, now: Turn) {
-        self.take_back(now);
+    fn take_own(&mut self) {
+        let now = self.past.now;
+        self.take_back();
         while let Some(event) = self.stage.queue.pop() {
             let met = Stage::bodies_of(&event, &self.stripes);
             if !self.stage.still_holds(&event, met) {
@@ -173,7 +191,7 @@ impl Work<'_> {
             let first_turn = |body: usize| match self.stage.fates[body] {
                 _ if self.stage.rests[body].asleep => Turn::All,
                 // While it waited to be seen by others it would have passed them.
-                fate if fate.fast => self.turns[body].max(self.first_to_know(body, now)),
+                fate if fate.fast => self.turns[body].max(self.first_to_know(body)),
                 _ => self.turns[body],
             };
             let met = met.into_iter().flatten();
@@ -182,20 +200,50 @@ impl Work<'_> {
                 self.leave(event, met, later);
                 continue;
             }
-            let hit = self.stage.take(&event, &mut self.stripes);
+            let hit = self.past.take(&event, &mut self.stage, &mut self.stripes);
             for body in hit.into_iter().flatten() {
-                self.look_out(body, now);
+                self.look_out(body);
             }
-            for body in hit.into_iter().flatten().filter(|&body| self.turns[body] <= now) {
-                self.stage.foresee(body, &mut self.stripes);
+            let struck = hit.into_iter().flatten().filter(|&body| self.turns[body] <= now);
+            if now == Turn::Stripes {
+                struck.for_each(|body| self.stage.foresee(body, &mut self.stripes, |_, _| ()));
+            } else {
+                self.struck.extend(struck.map(|body| (body, event.time)));
+                self.foresee_struck();
+            }
+        }
+    }
+
+    /// Foresees what comes of bodies that were struck, and takes back what they forestall.
+    fn foresee_struck(&mut self) {
+        while let Some((body, time)) = self.struck.pop() {
+            let Self { stage, stripes, past, struck, .. } = self;
+            let known = struck.len();
+            if past.foresee(body, time, stage, stripes, struck) == Err(Elsewhere) {
+                self.turns[body] = Turn::All;
+                self.leave_body(body);
+            }
+            let mut at = known;
+            while let Some(&(body, _)) = self.struck.get(at) {
+                if self.turns[body] <= self.past.now {
+                    self.look_out(body);
+                } else {
+                    // What was left of it, before, does not hold any more.
+                    self.leave_body(body);
+                }
+                if self.turns[body] <= self.past.now {
+                    at += 1;
+                } else {
+                    self.struck.swap_remove(at);
+                }
             }
         }
     }
 
     /// Foresees what earlier turns left to this.
-    fn take_back(&mut self, now: Turn) {
-        let Self { stage, stripes, turns, .. } = self;
-        let count = stage.bodies.len();
+    fn take_back(&mut self) {
+        let Self { stage, stripes, turns, past, .. } = self;
+        let (now, count) = (past.now, stage.bodies.len());
         for number in 0..stripes.list.len() {
             let mut events = take(&mut stripes.list[number].left_events);
             events.retain(|event| {
@@ -219,19 +267,20 @@ impl Work<'_> {
         for (number, stripe) in stripes.list.iter_mut().enumerate() {
             stripe.link(stripes.layout.count(number, count));
         }
-        for number in 0..stripes.list.len() {
+        let mut left = Vec::new();
+        for (number, stripe) in stripes.list.iter_mut().enumerate() {
             let start = stripes.layout.start(number);
-            let mut bodies = take(&mut stripes.list[number].left_bodies);
-            bodies.retain(|&body| {
+            stripe.left_bodies.retain(|&body| {
                 let body = start + body as usize;
                 let waits = turns[body] > now;
                 if !waits {
-                    stage.foresee(body, stripes);
+                    left.push(body);
                 }
                 waits
             });
-            stripes.list[number].left_bodies = bodies;
         }
+        self.struck.extend(left.into_iter().map(|body| (body, stage.fates[body].time)));
+        self.foresee_struck();
     }
 
     /// Leaves an impact to a later turn, and all others of its balls.
@@ -256,24 +305,24 @@ impl Work<'_> {
     }
 
     /// Leaves what comes of a ball that was hit to a later turn where this one does not know all that it may meet.
-    fn look_out(&mut self, body: usize, now: Turn) {
+    fn look_out(&mut self, body: usize) {
         let Self { stage, homes, .. } = self;
         let covered = homes[body].covers(stage.bodies[body].end(stage.setting.substep));
         let later = if stage.limits.exhausts(&stage.fates[body]) || !covered {
             Turn::All
         } else {
-            self.first_to_know(body, now)
+            self.first_to_know(body)
         };
-        if later > now {
+        if later > self.past.now {
             self.turns[body] = later;
             self.leave_body(body);
         }
     }
 
     /// The first turn from now on that knows all pairs of a ball.
-    fn first_to_know(&self, body: usize, now: Turn) -> Turn {
-        let seam =
-            || self.layout.seam_of(self.layout.start(self.first) + body).map_or(Turn::All, Turn::of_seam);
+    fn first_to_know(&self, body: usize) -> Turn {
+        let now = self.past.now;
+        let seam = || self.layout.seam_of(self.past.start + body).map_or(Turn::All, Turn::of_seam);
         match self.crossing[body] {
             Layer::Own => now,
             Layer::Seams if seam() >= now => seam(),
@@ -289,60 +338,92 @@ fn later_for(layout: Layout, stripe: Option<usize>, later: Turn) -> Turn {
     if stripe.is_none_or(is_own) { later } else { Turn::All }
 }
 
-/// Takes all impacts that are left.
-fn take_left(mut stage: Stage<'_>, near: &mut Near) {
+/// Takes all impacts that are left by turns before.
+fn take_left(mut stage: Stage<'_>, near: &mut Near, mut past: Past<'_>) {
     let (layout, count) = (near.layout, stage.bodies.len());
-    if layout.is_cut() {
-        stage.queue.clear();
-        for (number, stripe) in near.stripes.iter().enumerate() {
-            stage.queue.extend(stripe.left_events.iter().map(|event| event.of_stripe(number)));
+    stage.queue.clear();
+    let mut left = Vec::new();
+    for (number, stripe) in near.stripes.iter().enumerate() {
+        stage.queue.extend(stripe.left_events.iter().map(|event| event.of_stripe(number)));
+        if layout.layer(number) == Layer::Own {
+            left.extend(stripe.left_bodies.iter().map(|&body| layout.start(number) + body as usize));
         }
-        for number in layout.numbers(Layer::Own) {
-            stage.tally.add(&near.stripes[number].tally);
-        }
-    } else {
-        if stage.begin() {
-            (0..count).for_each(|body| stage.foresee_fast_wall(body));
-        }
-        stage.foresee_all(0, &mut near.all());
     }
-    let left = |stripe: &Stripe| !stripe.left_bodies.is_empty();
-    if !stage.queue.is_empty() || near.stripes.iter().any(left) {
+    if !(stage.queue.is_empty() && left.is_empty()) {
         near.link_pairs(count);
     }
-    if layout.is_cut() {
-        for number in layout.numbers(Layer::Own) {
-            for at in 0..near.stripes[number].left_bodies.len() {
-                let body = layout.start(number) + near.stripes[number].left_bodies[at] as usize;
-                near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
-                stage.foresee(body, &mut near.all());
-            }
-        }
+    let mut struck: Vec<_> = left.into_iter().map(|body| (body, stage.fates[body].time)).collect();
+    go_on(&mut stage, near, &mut past, &mut struck);
+    while let Some(event) = next(&mut stage, near) {
+        let hit = stage.take(&event, &mut near.all());
+        struck.extend(hit.into_iter().flatten().map(|body| (body, event.time)));
+        go_on(&mut stage, near, &mut past, &mut struck);
     }
-    while let Some(event) = stage.queue.pop() {
-        if stage.limits.exhausted && !stage.limits.ended {
-            stage.end_fast(event.time);
-        }
-        let stripes = &mut near.all();
-        if !stage.still_holds(&event, Stage::bodies_of(&event, stripes)) {
+    for number in layout.numbers(Layer::Own) {
+        stage.tally.add(&near.stripes[number].tally);
+    }
+}
+
+/// Foresees what comes of bodies that were struck, from when on, and takes back what they forestall.
+fn go_on(stage: &mut Stage<'_>, near: &mut Near, past: &mut Past<'_>, struck: &mut Vec<(usize, f64)>) {
+    for &(body, _) in &*struck {
+        near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
+    }
+    while let Some((body, time)) = struck.pop() {
+        // When the substep was ended for fast bodies, none of them is where it was any more.
+        if stage.limits.ended {
+            stage.foresee(body, &mut near.all(), |_, _| ());
             continue;
         }
-        let together = if layout.is_cut() { None } else { stage.take_together(&event, stripes) };
-        if let Some(hit) = together {
-            go_on(&mut stage, near, hit.iter().copied());
-        } else {
-            let hit = stage.take(&event, stripes);
-            go_on(&mut stage, near, hit.into_iter().flatten());
+        let known = struck.len();
+        // All is known here.
+        let _ = past.foresee(body, time, stage, &mut near.all(), struck);
+        for &(body, _) in &struck[known..] {
+            near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
         }
     }
 }
 
-/// Looks at what comes of bodies that were hit.
-fn go_on(stage: &mut Stage<'_>, near: &mut Near, hit: impl Iterator<Item = usize> + Clone) {
+/// Takes all impacts of a substep where all bodies are one stripe.
+fn take_all(mut stage: Stage<'_>, near: &mut Near) {
+    let count = stage.bodies.len();
+    if stage.begin() {
+        (0..count).for_each(|body| stage.foresee_fast_wall(body));
+    }
+    stage.foresee_all(0, &mut near.all());
+    if !stage.queue.is_empty() {
+        near.link_pairs(count);
+    }
+    while let Some(event) = next(&mut stage, near) {
+        let stripes = &mut near.all();
+        if let Some(hit) = stage.take_together(&event, stripes) {
+            foresee(&mut stage, near, hit.iter().copied());
+        } else {
+            let hit = stage.take(&event, stripes);
+            foresee(&mut stage, near, hit.into_iter().flatten());
+        }
+    }
+}
+
+/// The next impact that holds.
+fn next(stage: &mut Stage<'_>, near: &mut Near) -> Option<Event> {
+    while let Some(event) = stage.queue.pop() {
+        if stage.limits.exhausted && !stage.limits.ended {
+            stage.end_fast(event.time);
+        }
+        if stage.still_holds(&event, Stage::bodies_of(&event, &near.all())) {
+            return Some(event);
+        }
+    }
+    None
+}
+
+/// Foresees what comes of bodies that were hit.
+fn foresee(stage: &mut Stage<'_>, near: &mut Near, hit: impl Iterator<Item = usize> + Clone) {
     for body in hit.clone() {
         near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
     }
     for body in hit {
-        stage.foresee(body, &mut near.all());
+        stage.foresee(body, &mut near.all(), |_, _| ());
     }
 }
