@@ -4,41 +4,20 @@
 //! are, energy never rises. A ball that was hit at time τ goes on from a place from which it would have started to be
 //! where it was at τ: later impacts of the same substep, and its end, come out right.
 //!
-//! A ball that was hit a few times in a substep is left to what supports it. A fast one could go through others then,
-//! so it may be hit much more often, and where that is not enough, the substep ends for all fast balls there and then
-//! (continuous collision detection): they lose time, never their speed, and go through nothing.
+//! A ball that was hit a few times in a substep is left to what supports it (`fates`). A fast one could go through others
+//! then, so it may be hit much more often, and where that is not enough, the substep ends for all fast balls there and
+//! then (continuous collision detection): they lose time, never their speed, and go through nothing.
 
 use std::collections::BinaryHeap;
 
-use glam::DVec2;
-
 use super::events::{Event, Spot, What};
-use super::find::FEW;
+use super::fates::{DEEP_IN_CROWD, Fate, Limits, Shift, is_fast};
 use super::holds::Marks;
-use super::meeting::{Approach, Meeting, exchange, strike};
+use super::meeting::{Approach, Meeting, exchange};
 use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
 use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
 use super::{Body, SHIFT, Setting, Tally};
-
-/// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
-const MOST: u16 = 8;
-/// The same among few balls, where each counts, and where nothing ever rests, since no support holds what is left there.
-const MOST_OF_FEW: u16 = 64;
-/// The same of one that comes from far away: what supports it knows less of its way.
-const MOST_FAR: u16 = 32;
-/// The same of a fast ball.
-const MOST_FAST: u16 = 256;
-/// All three where balls are a crowd: after each impact all of a ball's pairs are looked at again, and what comes of it is
-/// no flight.
-const MOST_IN_CROWD: (u16, u16, u16) = (1, 1, 4);
-/// A ball that lies deep in more others than so many is in a crowd, as where a wall was moved over many that nothing slows
-/// down. Where so many pairs of such ones were looked at for each ball, on average, all are taken as a crowd from then on:
-/// what each of their impacts costs grows with their pairs.
-const DEEP_IN_CROWD: u32 = 8;
-const LOOKS: usize = 64;
-/// A ball that goes farther in a substep than so many times its radius is fast.
-const FAST: f64 = 1.0;
 
 /// What impacts act on: all bodies, or those of one stripe.
 pub(super) struct Stage<'a> {
@@ -54,118 +33,14 @@ pub(super) struct Stage<'a> {
     pub(super) limits: Limits,
 }
 
-/// What is known of a body's impacts in a substep.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Fate {
-    /// When it was last hit, s after the substep's beginning, and how often it was.
-    pub(super) time: f64,
-    pub(super) hits: u16,
-    /// How often hits of it were taken back.
-    undone: u16,
-    /// Whether it is too slow to hit firmly those that it presses on.
-    slow: bool,
-    pub(super) fast: bool,
-    pub(super) shift: Shift,
-}
-
-/// Where a body stands that was hit after the substep's beginning: until its end where it would have come from.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Shift {
-    /// Where it is, or near to it.
-    #[default]
-    None,
-    /// Elsewhere.
-    Some,
-    /// Far away: it is fast, or was hit by a fast one.
-    Far,
-}
-
-impl Fate {
-    /// What tells its course from all others that it had in this substep.
-    #[inline]
-    pub(super) fn course(&self) -> u32 {
-        u32::from(self.hits) | u32::from(self.undone) << u16::BITS
-    }
-
-    /// What it was before some hits. What was foreseen of the body then does not hold any more.
-    pub(super) fn back_to(&mut self, before: Self) {
-        *self = Self { undone: self.undone.wrapping_add(1), ..before };
-    }
-
-    /// Changes the velocity of its body, after all impacts.
-    pub(super) fn slow_down(&mut self, setting: &Setting, body: &mut Body, change: DVec2) {
-        // A fast one may have had its last impact, and its end, at any time: it stays where it would be in the end.
-        let time = if self.fast { setting.substep } else { self.time };
-        strike(body, change, time);
-        self.shift.raise(Shift::Some, change.length() * time > SHIFT * body.radius);
-    }
-}
-
-impl Shift {
-    /// At least `other`, where that is so.
-    fn raise(&mut self, other: Self, so: bool) {
-        if so {
-            *self = other.max(*self);
-        }
-    }
-}
-
-/// How often bodies may be hit.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
-    /// How often a body may be that is not fast; that comes from far away; and that is fast.
-    most: u16,
-    most_far: u16,
-    most_fast: u16,
-    /// How many pairs of balls in a crowd may be looked at.
-    looks: usize,
-    /// Whether a fast one was hit so often that the substep ends for all of them.
-    pub(super) exhausted: bool,
-    /// Whether it has.
-    pub(super) ended: bool,
-}
-
-impl Limits {
-    /// Those of so many bodies, which are a crowd or not; a share of them is `worked_on`.
-    pub(super) fn of(count: usize, worked_on: usize, crowd: bool, setting: &Setting) -> Self {
-        let (most, most_far, most_fast) = match count {
-            ..=FEW => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
-            _ if crowd => MOST_IN_CROWD,
-            _ if !setting.can_rest => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
-            _ => (MOST, MOST_FAR, MOST_FAST),
-        };
-        let looks = LOOKS * worked_on.max(FEW);
-        Self { most, most_far, most_fast, looks, exhausted: false, ended: false }
-    }
-
-    /// Counts the pairs of a ball in a crowd that were looked at.
-    fn count(&mut self, pairs: usize) {
-        self.looks = self.looks.saturating_sub(pairs);
-        if self.looks == 0 {
-            (self.most, self.most_far, self.most_fast) = MOST_IN_CROWD;
-        }
-    }
-
-    /// Whether a body is fast and was hit as often as such a one may be.
-    pub(super) fn exhausts(&self, fate: &Fate) -> bool {
-        fate.fast && fate.hits >= self.most_fast
-    }
-
-    /// How often a body may be that is shifted so, and not fast.
-    fn most(&self, shift: Shift) -> u16 {
-        if shift == Shift::Far { self.most_far } else { self.most }
-    }
-}
-
 impl Stage<'_> {
     /// Begins a substep. Whether any body is fast.
     pub(super) fn begin(&mut self) -> bool {
         let firm = 0.25 * self.setting.firm * self.setting.firm;
         let mut any_fast = false;
         for (fate, body) in self.fates.iter_mut().zip(&*self.bodies) {
-            let (slow, fast) = (body.velocity.length_squared() < firm, is_fast(self.setting, body));
-            *fate = Fate { slow, fast, ..Fate::default() };
-            any_fast |= fast;
+            *fate = Fate::at_start(body.velocity.length_squared() < firm, is_fast(self.setting, body));
+            any_fast |= fate.fast;
         }
         self.queue.clear();
         any_fast
@@ -472,9 +347,4 @@ fn end(setting: &Setting, body: &mut Body, time: f64) {
         body.free -= left_out;
     }
     body.position = place - body.velocity * setting.substep;
-}
-
-fn is_fast(setting: &Setting, body: &Body) -> bool {
-    let far = FAST * body.radius / setting.substep;
-    body.velocity.length_squared() > far * far
 }

@@ -5,8 +5,8 @@
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `holds`,
 //!    `order`; of single balls `cover`), and what balls weigh where they are held, where masses differ (`weights`);
-//! 3. balls that meet exchange momentum at their time of impact (`turns`, `rewind`, `events`, `impacts`, `meeting`,
-//!    `together`, `walls`);
+//! 3. balls that meet exchange momentum at their time of impact (`turns`, `rewind`, `events`, `fates`, `impacts`,
+//!    `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
 //!    (`take_up`, `support`, `wall_support`; what counts as heavier than it is, and is fast, is slowed down before);
 //! 5. balls move (`Contact::travel`), and those that were thrown by what holds them are let go of (`thrown`);
@@ -23,6 +23,7 @@
 mod body;
 mod cover;
 mod events;
+mod fates;
 mod find;
 mod holds;
 mod impacts;

@@ -6,8 +6,9 @@
 //! 1985). So impacts come out in the order of time whatever the turns are.
 
 use super::events::{Event, Spot};
+use super::fates::Fate;
 use super::holds::Marks;
-use super::impacts::{Fate, Stage};
+use super::impacts::Stage;
 use super::stripes::{NOWHERE, Stripes};
 use super::turns::Turn;
 use super::{Body, DVec2, Tally};

@@ -5,8 +5,8 @@
 //! such order gives the same bits.
 
 use super::cover::Home;
+use super::fates::Fate;
 use super::find::Near;
-use super::impacts::Fate;
 use super::layout::{Layer, Layout};
 use super::sleep::Rest;
 use super::stripes::{Stripe, of_layer};

@@ -10,8 +10,8 @@ use glam::DVec2;
 
 use super::super::impulse::COINCIDENT_NORMAL;
 use super::super::lesser::lesser;
+use super::fates::{Fate, Shift};
 use super::holds::{Hold, Marks, Pair};
-use super::impacts::{Fate, Shift};
 use super::meeting::COINCIDENT;
 use super::stripes::Stripe;
 use super::support::{deal, give, press, two};

@@ -11,8 +11,9 @@ use std::mem::take;
 
 use super::cover::Home;
 use super::events::{Event, Spot};
+use super::fates::{Fate, Limits};
 use super::find::Near;
-use super::impacts::{Fate, Limits, Stage};
+use super::impacts::Stage;
 use super::layout::{Layer, Layout};
 use super::rewind::{Elsewhere, Past};
 use super::stripes::{Stripe, Stripes};
