@@ -8,7 +8,8 @@ use super::{Body, SHIFT, Setting};
 
 /// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
 const MOST: u16 = 8;
-/// The same among few balls, where each counts, and where nothing ever rests, since no support holds what is left there.
+/// The same among few balls, where each counts; where nothing ever rests, since no support holds what is left there; and of
+/// elastic balls, which would lose energy to a support.
 const MOST_OF_FEW: u16 = 64;
 /// The same of one that comes from far away: what supports it knows less of its way.
 const MOST_FAR: u16 = 32;
@@ -94,6 +95,8 @@ pub(super) struct Limits {
     most: u16,
     pub(super) most_far: u16,
     most_fast: u16,
+    /// Whether balls are a crowd.
+    crowd: bool,
     /// How many pairs of balls in a crowd may be looked at.
     looks: usize,
     /// Whether a fast one was hit so often that the substep ends for all of them.
@@ -112,7 +115,7 @@ impl Limits {
             _ => (MOST, MOST_FAR, MOST_FAST),
         };
         let looks = LOOKS * worked_on.max(FEW);
-        Self { most, most_far, most_fast, looks, exhausted: false, ended: false }
+        Self { most, most_far, most_fast, crowd, looks, exhausted: false, ended: false }
     }
 
     /// Counts the pairs of a ball in a crowd that were looked at.
@@ -120,6 +123,7 @@ impl Limits {
         self.looks = self.looks.saturating_sub(pairs);
         if self.looks == 0 {
             (self.most, self.most_far, self.most_fast) = MOST_IN_CROWD;
+            self.crowd = true;
         }
     }
 
@@ -128,9 +132,21 @@ impl Limits {
         fate.fast && fate.hits >= self.most_fast
     }
 
-    /// How often a body may be that is shifted so, and not fast.
-    pub(super) fn most(&self, shift: Shift) -> u16 {
+    /// How often a body may be hit at least that is shifted so, and not fast.
+    #[inline]
+    pub(super) fn least(&self, shift: Shift) -> u16 {
         if shift == Shift::Far { self.most_far } else { self.most }
+    }
+
+    /// Whether a body that is not fast may not be hit any more with this restitution, by what is so many times smaller, so
+    /// that there are more of these around it.
+    pub(super) fn is_spent(&self, fate: &Fate, shift: Shift, restitution: f64, size: f64) -> bool {
+        let least = self.least(shift);
+        if fate.hits < least || self.crowd {
+            return fate.hits >= least;
+        }
+        let most = if restitution < 1.0 { least } else { least.max(MOST_OF_FEW) };
+        f64::from(fate.hits) >= f64::from(most) * size.max(1.0)
     }
 }
 

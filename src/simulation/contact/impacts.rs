@@ -113,7 +113,12 @@ impl Stage<'_> {
         let layout = stripes.layout;
         if self.fates[body].fast {
             self.foresee_fast_wall(body);
-        } else if self.fates[body].hits < self.limits.most(self.fates[body].shift) {
+        } else if !self.limits.is_spent(
+            &self.fates[body],
+            self.fates[body].shift,
+            self.setting.walls.unwrap_or_default(),
+            1.0,
+        ) {
             let (number, own) = layout.place_of(body);
             if let Some(at) = stripes.list[number].place_beside(own) {
                 self.foresee_wall(Spot { stripe: number as u32, at: at as u32 }, stripes);
@@ -184,11 +189,11 @@ impl Stage<'_> {
     fn foresee_meeting(&mut self, spot: Spot, stripe: &Stripe, start: usize) {
         let at = spot.at as usize;
         let pair = stripe.pairs[at].from(start);
-        let [one, other] = [pair.first, pair.second].map(|body| body as usize);
-        let [one, other] = [one, other].map(|body| (&self.bodies[body], &self.fates[body]));
-        let since = one.1.time.max(other.1.time);
-        if let Some(meeting) = self.meeting_of(stripe, at, [one, other], since) {
-            let courses = [one.1.course(), other.1.course()];
+        let (i, j) = (pair.first as usize, pair.second as usize);
+        let [first, second] = [i, j].map(|body| (&self.bodies[body], &self.fates[body]));
+        let since = first.1.time.max(second.1.time);
+        if let Some(meeting) = self.meeting_of(stripe, at, (i, j), [first, second], since) {
+            let courses = [first.1.course(), second.1.course()];
             self.queue.push(Event { time: meeting.time, what: What::Pair(spot), courses });
         }
     }
@@ -199,18 +204,36 @@ impl Stage<'_> {
         &self,
         stripe: &Stripe,
         at: usize,
-        [(one, first), (other, second)]: [(&Body, &Fate); 2],
+        bodies: (usize, usize),
+        states: [(&Body, &Fate); 2],
         since: f64,
     ) -> Option<Meeting> {
         let marks = stripe.marks[at];
+        let [(one, first), (other, second)] = states;
         let presses = marks.has(Marks::HELD) && first.slow && second.slow;
         let fast = first.fast || second.fast;
-        let most = self.limits.most(first.shift.max(second.shift));
-        let enough = if fast { self.limits.ended } else { first.hits.max(second.hits) >= most };
+        let least = self.limits.least(first.shift.max(second.shift));
+        let enough = if fast {
+            self.limits.ended
+        } else {
+            first.hits.max(second.hits) >= least && self.is_either_spent(bodies, states)
+        };
         if marks.has(Marks::IDLE) || presses || enough {
             return None;
         }
         Meeting::of(self.setting, one, other, stripe.firm(at, self.setting), since)
+    }
+
+    /// Whether one of two balls may not hit the other any more.
+    #[cold]
+    fn is_either_spent(&self, (i, j): (usize, usize), states: [(&Body, &Fate); 2]) -> bool {
+        let restitution = self.restitutions[i].min(self.restitutions[j]);
+        let [(one, first), (other, second)] = states;
+        let shift = first.shift.max(second.shift);
+        // One that is twice as large has not many more others around it.
+        let size = |own: &Body, other: &Body| own.radius / (2.0 * other.radius);
+        self.limits.is_spent(first, shift, restitution, size(one, other))
+            || self.limits.is_spent(second, shift, restitution, size(other, one))
     }
 
     /// Whether, and how, two bodies meet in this substep after both were hit.

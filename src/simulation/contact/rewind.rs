@@ -133,19 +133,24 @@ impl Past<'_> {
         back: &mut Vec<(usize, f64)>,
     ) -> Result<(), Elsewhere> {
         let stripe = &stripes.list[spot.stripe as usize];
-        if stage.setting.kick != DVec2::ZERO && stripe.marks[spot.at as usize].has(Marks::HELD) {
-            // What presses is held apart, whichever impact comes first.
-            return Ok(());
-        }
         let pair = stripe.pairs[spot.at as usize].from(stripes.layout.start(spot.stripe as usize));
         let other = if pair.first as usize == body { pair.second } else { pair.first } as usize;
+        let presses = stage.setting.kick != DVec2::ZERO && stripe.marks[spot.at as usize].has(Marks::HELD);
+        if presses && stage.restitutions[body].min(stage.restitutions[other]) < 1.0 {
+            // They are held apart, whichever impact comes first, and what that takes of their energy is no loss.
+            return Ok(());
+        }
         let (mut first, mut impact) = (None, self.lasts[other]);
         while let Some((until, side)) = self.after(time, other, impact, stripes)? {
             let (this, was) = (&stage.bodies[body], side.before.of_body(&stage.bodies[other]));
             let (this, that) = ((this, &stage.fates[body]), (&was, &side.before.fate));
-            let both = if pair.first as usize == body { [this, that] } else { [that, this] };
+            let (bodies, both) = if pair.first as usize == body {
+                ((body, other), [this, that])
+            } else {
+                ((other, body), [that, this])
+            };
             let since = time.max(side.before.fate.time);
-            let meeting = stage.meeting_of(stripe, spot.at as usize, both, since);
+            let meeting = stage.meeting_of(stripe, spot.at as usize, bodies, both, since);
             if meeting.is_some_and(|meeting| meeting.time < until) {
                 first = Some(impact);
             }
