@@ -224,18 +224,14 @@ impl Work<'_> {
                 self.turns[body] = Turn::All;
                 self.leave_body(body);
             }
+            // Those that wait for a later turn since they were hit: what was left of them does not hold any more.
             let mut at = known;
             while let Some(&(body, _)) = self.struck.get(at) {
-                if self.turns[body] <= self.past.now {
-                    self.look_out(body);
-                } else {
-                    // What was left of it, before, does not hold any more.
+                if self.turns[body] > self.past.now {
                     self.leave_body(body);
-                }
-                if self.turns[body] <= self.past.now {
-                    at += 1;
-                } else {
                     self.struck.swap_remove(at);
+                } else {
+                    at += 1;
                 }
             }
         }
@@ -376,12 +372,8 @@ fn go_on(stage: &mut Stage<'_>, near: &mut Near, past: &mut Past<'_>, struck: &m
             stage.foresee(body, &mut near.all(), |_, _| ());
             continue;
         }
-        let known = struck.len();
         // All is known here.
         let _ = past.foresee(body, time, stage, &mut near.all(), struck);
-        for &(body, _) in &struck[known..] {
-            near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
-        }
     }
 }
 
