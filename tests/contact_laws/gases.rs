@@ -84,7 +84,15 @@ fn thousands_of_balls_in_a_substep_meet_each_other_in_the_order_of_time_as_with_
         ("fast", 900.0, "[[fill]]\ncount = 3000\nradius = [2, 6]\nspeed = [0, 2000]".to_owned()),
         ("fixed", 850.0, format!("[[ball]]\nposition = [450, 300]\nradius = 90\nfixed = true\n{fill}")),
     ];
-    for (case, width, balls) in cases {
+    let peg = |k: u32| {
+        format!(
+            "[[ball]]\nposition = [{}, {}]\nradius = 6\nfixed = true\n",
+            20 + k % 23 * 40,
+            20 + k / 23 * 40
+        )
+    };
+    let pegs: String = (0..345).map(peg).collect();
+    for (case, width, balls) in cases.into_iter().chain([("pegs", 920.0, pegs + fill)]) {
         let text = format!("size = [{width}, 600]\n[walls]\n[pairs]\n{balls}");
         let scene = Scene::parse(case, &text).unwrap().with_solver(Solver::Contact);
         let mut simulation = scene.build().unwrap().with_substeps(240).unwrap();

@@ -5,6 +5,8 @@
 //! never happened: the balls go on as they did before it, and what they meet is foreseen anew ("Virtual Time"; Jefferson
 //! 1985). So impacts come out in the order of time whatever the turns are.
 
+use std::ops::Range;
+
 use super::events::{Event, Spot};
 use super::fates::Fate;
 use super::holds::Marks;
@@ -56,8 +58,8 @@ pub(super) struct Elsewhere;
 /// What is known, in one turn, of the impacts that were taken in this substep.
 pub(super) struct Past<'a> {
     pub(super) now: Turn,
-    /// The number of the first stripe that is worked on, and of its first body.
-    pub(super) first: usize,
+    /// The numbers of the stripes that are worked on, and that of their first body.
+    pub(super) stripes: Range<usize>,
     pub(super) start: usize,
     /// The last impact of each body: where it stands among those of a stripe; or [`Past::NOTHING`].
     pub(super) lasts: &'a mut [Spot],
@@ -77,7 +79,7 @@ impl Past<'_> {
     ) -> [Option<usize>; 2] {
         let before =
             Stage::bodies_of(event, stripes).map(|body| body.map(|body| (body, State::of(body, stage))));
-        let among_all = |spot: Spot| Spot { stripe: self.first as u32 + spot.stripe, ..spot };
+        let among_all = |spot: Spot| Spot { stripe: self.stripes.start as u32 + spot.stripe, ..spot };
         let marks = |spot: Spot| stripes.list[spot.stripe as usize].marks[spot.at as usize];
         let pair = event.pair().map(|spot| (among_all(spot), marks(spot)));
         let tally = *stage.tally;
@@ -86,7 +88,7 @@ impl Past<'_> {
             return hit;
         }
         let taken = &mut stripes.list[0].taken;
-        let spot = Spot { stripe: self.first as u32, at: taken.len() as u32 };
+        let spot = Spot { stripe: self.stripes.start as u32, at: taken.len() as u32 };
         let sides = before.map(|side| {
             let (body, before) = side.filter(|&(body, _)| hit.contains(&Some(body)))?;
             let last = std::mem::replace(&mut self.lasts[body], spot);
@@ -114,31 +116,33 @@ impl Past<'_> {
                 later.push(spot);
             }
         });
-        let mut all = Ok(());
-        for spot in later.drain(..) {
-            all = all.and_then(|()| self.forestall(spot, body, time, stage, stripes, back));
-        }
+        let all = later.drain(..).try_for_each(|spot| {
+            if let Some((other, impact)) = self.forestalled(spot, body, time, stage, stripes)? {
+                let undone = self.undo(other, impact, stage, stripes)?;
+                back.extend(undone.into_iter().map(|body| (body, time)));
+            }
+            Ok(())
+        });
         self.later = later;
         all
     }
 
-    /// Takes back what a ball forestalls at the other one of this pair.
-    fn forestall(
-        &mut self,
+    /// The other ball of this pair, and its first impact that a ball forestalls, if there is one.
+    fn forestalled(
+        &self,
         spot: Spot,
         body: usize,
         time: f64,
-        stage: &mut Stage<'_>,
-        stripes: &mut Stripes<'_>,
-        back: &mut Vec<(usize, f64)>,
-    ) -> Result<(), Elsewhere> {
+        stage: &Stage<'_>,
+        stripes: &Stripes<'_>,
+    ) -> Result<Option<(usize, Spot)>, Elsewhere> {
         let stripe = &stripes.list[spot.stripe as usize];
         let pair = stripe.pairs[spot.at as usize].from(stripes.layout.start(spot.stripe as usize));
         let other = if pair.first as usize == body { pair.second } else { pair.first } as usize;
         let presses = stage.setting.kick != DVec2::ZERO && stripe.marks[spot.at as usize].has(Marks::HELD);
         if presses && stage.restitutions[body].min(stage.restitutions[other]) < 1.0 {
             // They are held apart, whichever impact comes first, and what that takes of their energy is no loss.
-            return Ok(());
+            return Ok(None);
         }
         let (mut first, mut impact) = (None, self.lasts[other]);
         while let Some((until, side)) = self.after(time, other, impact, stripes)? {
@@ -156,10 +160,7 @@ impl Past<'_> {
             }
             impact = side.last;
         }
-        match first {
-            Some(impact) => self.undo(other, impact, time, stage, stripes, back),
-            None => Ok(()),
-        }
+        Ok(first.map(|impact| (other, impact)))
     }
 
     /// When a body's impact was, if that is after this time, and how it was hit.
@@ -173,7 +174,7 @@ impl Past<'_> {
         if spot == Self::NOTHING {
             return Ok(None);
         }
-        let taken = &stripes.list[self.stripe_of(spot, stripes)?].taken[spot.at as usize];
+        let taken = &stripes.list[self.stripe_of(spot)?].taken[spot.at as usize];
         if taken.time <= time || taken.turn == self.now {
             return Ok(None);
         }
@@ -181,23 +182,21 @@ impl Past<'_> {
         Ok(side.map(|side| (taken.time, *side)))
     }
 
-    /// Where the stripe is that an impact was noted by.
-    fn stripe_of(&self, spot: Spot, stripes: &Stripes<'_>) -> Result<usize, Elsewhere> {
-        let stripe = (spot.stripe as usize).checked_sub(self.first);
-        stripe.filter(|&stripe| stripe < stripes.list.len()).ok_or(Elsewhere)
+    /// Where a stripe stands that an impact was noted by, or whose pair it was of.
+    fn stripe_of(&self, spot: Spot) -> Result<usize, Elsewhere> {
+        let number = Some(spot.stripe as usize).filter(|number| self.stripes.contains(number));
+        number.map(|number| number - self.stripes.start).ok_or(Elsewhere)
     }
 
-    /// Takes back this impact of a body, and all that came of it. Those that go on as they did before are added to
-    /// `back`.
+    /// Takes back this impact of a body, and all that came of it. Those that go on as they did before. Nothing has changed
+    /// where that is not known here.
     fn undo(
         &mut self,
         body: usize,
         impact: Spot,
-        time: f64,
         stage: &mut Stage<'_>,
         stripes: &mut Stripes<'_>,
-        back: &mut Vec<(usize, f64)>,
-    ) -> Result<(), Elsewhere> {
+    ) -> Result<Vec<usize>, Elsewhere> {
         let mut all = Vec::new();
         if let Err(elsewhere) = self.find_all(body, impact, stripes, &mut all) {
             for (stripe, at) in all {
@@ -208,23 +207,23 @@ impl Past<'_> {
         // What was known of a pair is what was before the first of its impacts.
         let when = |&(stripe, at): &(usize, usize)| stripes.list[stripe].taken[at].time;
         all.sort_by(|one, other| when(other).total_cmp(&when(one)));
+        let mut back = Vec::new();
         for (stripe, at) in all {
             let Taken { sides, pair, tally, .. } = stripes.list[stripe].taken[at].clone();
             stripes.list[stripe].tally = stripes.list[stripe].tally.since(&tally);
             if let Some((spot, marks)) = pair {
-                let stripe = self.stripe_of(spot, stripes)?;
-                stripes.list[stripe].marks[spot.at as usize] = marks;
+                stripes.list[spot.stripe as usize - self.stripes.start].marks[spot.at as usize] = marks;
             }
             for side in sides.into_iter().flatten() {
                 let body = side.body as usize - self.start;
                 if !self.is_undone(side.last, stripes) {
                     self.lasts[body] = side.last;
                     side.before.restore(body, stage);
-                    back.push((body, time));
+                    back.push(body);
                 }
             }
         }
-        Ok(())
+        Ok(back)
     }
 
     /// Marks an impact of a body as undone, and all that came of it, and gathers where they stand.
@@ -239,11 +238,15 @@ impl Past<'_> {
         while let Some((body, first)) = later.pop() {
             let mut spot = self.lasts[body];
             loop {
-                let stripe = self.stripe_of(spot, stripes)?;
+                let stripe = self.stripe_of(spot)?;
                 let taken = &mut stripes.list[stripe].taken[spot.at as usize];
                 let is_new = !std::mem::replace(&mut taken.is_undone, true);
                 if is_new {
                     all.push((stripe, spot.at as usize));
+                }
+                if let Some((pair, _)) = taken.pair {
+                    // A fixed ball is no side: the pair may belong to a seam beyond these.
+                    self.stripe_of(pair)?;
                 }
                 let mut last = Self::NOTHING;
                 for side in taken.sides.iter().flatten() {
@@ -265,7 +268,7 @@ impl Past<'_> {
     }
 
     fn is_undone(&self, spot: Spot, stripes: &Stripes<'_>) -> bool {
-        let stripe = self.stripe_of(spot, stripes);
+        let stripe = self.stripe_of(spot);
         stripe.is_ok_and(|stripe| stripes.list[stripe].taken[spot.at as usize].is_undone)
     }
 }

@@ -70,7 +70,7 @@ impl Contact {
             self.course.lasts.resize(self.bodies.len(), Past::NOTHING);
             self.turn(Turn::Stripes, Layer::Own, |mut work| work.begin());
             self.turn(Turn::Stripes, Layer::Seams, |mut work| {
-                work.leave_all(Turn::of_seam(work.past.first));
+                work.leave_all(Turn::of_seam(work.past.stripes.start));
             });
             self.turn(Turn::Stripes, Layer::Rest, |mut work| work.leave_all(Turn::All));
             self.turn(Turn::Stripes, Layer::Own, |mut work| work.take_own());
@@ -84,7 +84,8 @@ impl Contact {
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
         let stage = Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits };
         if near.layout.is_cut() {
-            take_left(stage, near, Past { now: Turn::All, first: 0, start: 0, lasts, later: Vec::new() });
+            let stripes = 0..near.stripes.len();
+            take_left(stage, near, Past { now: Turn::All, stripes, start: 0, lasts, later: Vec::new() });
         } else {
             take_all(stage, near);
         }
@@ -126,7 +127,8 @@ impl Contact {
                 layout: if list.len() == 1 { Layout::ONE } else { layout.of_block() },
                 list: &mut *list,
             };
-            let past = Past { now, first, start: layout.start(first), lasts, later: Vec::new() };
+            let numbers = first..first + stripes.list.len();
+            let past = Past { now, stripes: numbers, start: layout.start(first), lasts, later: Vec::new() };
             work(Work { stage, layout, stripes, homes, crossing, turns, past, struck: Vec::new() });
             list[0].tally.add(&tally);
             list[0].queue = queue;
