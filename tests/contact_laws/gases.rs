@@ -98,19 +98,26 @@ fn thousands_of_balls_in_a_substep_meet_each_other_in_the_order_of_time_as_with_
         let mut simulation = scene.build().unwrap().with_substeps(240).unwrap();
         let mut all = 0;
         for substep in 0..24 {
-            let (world, balls) = (*simulation.world(), simulation.balls().to_vec());
-            let mut exact = Simulation::new(world, balls, Solver::Exact).unwrap();
+            let (world, balls) = (*simulation.world(), simulation.balls().len());
+            let mut exact = Simulation::new(world, simulation.balls().to_vec(), Solver::Exact).unwrap();
             let before = simulation.tally();
-            simulation.advance(1.0 / 240.0).unwrap();
-            exact.advance(1.0 / 240.0).unwrap();
+            // On their way, too, wherever in the substep they are looked at.
+            let look = f64::from(1 + substep) / 25.0 / 240.0;
+            let mut touching = [vec![false; balls], vec![false; balls]];
+            for part in [look, 1.0 / 240.0 - look] {
+                simulation.advance(part).unwrap();
+                exact.advance(part).unwrap();
+                let (apart, faster) = apart(&simulation, &exact);
+                assert!(apart < 1e-6, "{case}, substep {substep}: {apart} px from where exact has it");
+                assert!(faster < 1e-4, "{case}, substep {substep}: by {faster} px/s");
+                for (touching, simulation) in touching.iter_mut().zip([&simulation, &exact]) {
+                    touching.iter_mut().zip(simulation.touching()).for_each(|(all, now)| *all |= now);
+                }
+            }
             let impacts = simulation.tally().impacts - before.impacts;
             assert_eq!(impacts, exact.tally().impacts, "{case}, substep {substep}");
             assert_eq!(simulation.tally().wall_hits - before.wall_hits, exact.tally().wall_hits);
-            assert!(simulation.touching() == exact.touching(), "{case}, substep {substep}");
-            let apart = simulation.balls().iter().zip(exact.balls());
-            let apart = apart.map(|(one, other)| one.position().distance(other.position()));
-            let apart = apart.fold(0.0, f64::max);
-            assert!(apart < 1e-6, "{case}, substep {substep}: {apart} px from where exact has it");
+            assert!(touching[0] == touching[1], "{case}, substep {substep}");
             assert!(overlap(&simulation) < 1e-9, "{case}, substep {substep}: {}", overlap(&simulation));
             all += impacts;
         }
@@ -179,11 +186,16 @@ fn thousands_of_elastic_balls_that_fall_upon_each_other_keep_their_energy_and_li
     let mut simulation = Scene::parse("fall", text).unwrap().with_solver(Solver::Contact).build().unwrap();
     let start = energy(&simulation);
     for frame in 0..60 {
-        simulation.advance(FRAME).unwrap();
+        // Whether or not a substep is over.
+        simulation.advance(0.9 * FRAME).unwrap();
+        let energy = energy(&simulation) / start - 1.0;
+        // Three that meet within a substep, or graze each other, may be held: how they go there is not known.
+        assert!(energy.abs() < 1e-3, "frame {frame}: {energy}");
+        simulation.advance(0.1 * FRAME).unwrap();
         assert!(overlap(&simulation) < 1e-9, "frame {frame}: {}", overlap(&simulation));
     }
     assert!(simulation.tally().impacts > 200_000);
-    // Three that meet within a substep, or graze each other, may be held without restitution.
+    // What holds them has no restitution.
     assert!((energy(&simulation) / start - 1.0).abs() < 1e-6, "{}", energy(&simulation) / start - 1.0);
 }
 

@@ -50,6 +50,14 @@ fn overlap(simulation: &Simulation) -> f64 {
     max_overlap(&mut Grid::new(balls, simulation.world().size()), balls)
 }
 
+/// The largest distance between places of the same ball, px, and between its velocities, px/s.
+fn apart(one: &Simulation, other: &Simulation) -> (f64, f64) {
+    let pairs = one.balls().iter().zip(other.balls());
+    pairs.fold((0.0, 0.0), |(place, velocity): (f64, f64), (a, b)| {
+        (place.max(a.position().distance(b.position())), velocity.max(a.velocity().distance(b.velocity())))
+    })
+}
+
 fn fastest(simulation: &Simulation) -> f64 {
     simulation.balls().iter().map(|ball| ball.velocity().length()).fold(0.0, f64::max)
 }

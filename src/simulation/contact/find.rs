@@ -9,6 +9,7 @@ use super::super::grid::{Grid, touch};
 use super::cover::{Covered, Home};
 use super::holds::{Beside, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
+use super::show::Start;
 use super::sleep::Rest;
 use super::stripes::{NOWHERE, Stripe, Stripes, clear_all};
 use super::team::Team;
@@ -105,7 +106,7 @@ pub(super) struct Cargo<'a> {
     pub(super) hit: &'a mut Vec<bool>,
     pub(super) rests: &'a mut Vec<Rest>,
     /// Where they were a substep ago; empty where that is not needed.
-    pub(super) before: &'a mut Vec<(DVec2, DVec2)>,
+    pub(super) before: &'a mut Vec<Start>,
 }
 
 impl Near {

@@ -13,6 +13,7 @@ use std::collections::BinaryHeap;
 use super::events::{Event, Spot, What};
 use super::fates::{DEEP_IN_CROWD, Fate, Limits, Shift, is_fast};
 use super::holds::Marks;
+use super::legs::Leg;
 use super::meeting::{Approach, Meeting, exchange};
 use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
@@ -31,6 +32,8 @@ pub(super) struct Stage<'a> {
     /// Impacts that are foreseen.
     pub(super) queue: &'a mut BinaryHeap<Event>,
     pub(super) limits: Limits,
+    /// The legs that bodies are on after their impacts, where they are noted.
+    pub(super) legs: Option<&'a mut Vec<Leg>>,
 }
 
 impl Stage<'_> {
@@ -287,12 +290,18 @@ impl Stage<'_> {
                 if fast && self.limits.ended {
                     return [None; 2];
                 }
+                let before = self.bodies[body];
                 let ball = (&mut self.bodies[body], self.rests[body].in_impacts());
                 let Some(met) = meet_walls(self.setting, ball, &beside, since, self.tally) else {
                     return [None; 2];
                 };
                 self.fates[body].shift.raise(Shift::Some, met.shifts);
                 self.note(body, met.time.max(event.time));
+                if let Some(legs) = &mut self.legs
+                    && let Some(leg) = legs.pop()
+                {
+                    legs.extend(leg.after_walls(&before, &self.bodies[body], &met).into_iter().flatten());
+                }
                 [Some(body), None]
             }
             What::FastWall(body, axis) => {
@@ -329,6 +338,9 @@ impl Stage<'_> {
             end(setting, &mut bodies[at], time);
         }
         limits.exhausted |= limits.exhausts(fate);
+        if let Some(legs) = &mut self.legs {
+            legs.push(Leg::of(at, &bodies[at], fate, time));
+        }
     }
 
     /// Ends the substep at `time` for all fast balls, and for those that they have hit again and again: a heavy one that

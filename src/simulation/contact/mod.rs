@@ -12,7 +12,7 @@
 //! 5. balls move (`Contact::travel`), and those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
-//! At a frame's end the balls are shown as they are then (`show`).
+//! At a frame's end the balls are shown as they are then (`show`, `legs`).
 //!
 //! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`); passes
 //! that follow each other go through them as caches like it (`sweep`).
@@ -28,6 +28,7 @@ mod find;
 mod holds;
 mod impacts;
 mod layout;
+mod legs;
 mod loads;
 mod meeting;
 mod order;
@@ -57,6 +58,7 @@ use super::{Advance, Frame, Part, Tally, Tuning};
 use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
+use show::Start;
 use sleep::Rest;
 use substeps::{Softness, Substeps};
 use support::{give, two};
@@ -130,8 +132,8 @@ pub(super) struct Contact {
     steps: u64,
     /// By how much the first substep is shorter than others because balls were there only after it had begun, s.
     late: f64,
-    /// Position and velocity of each body one substep ago, while the frame lies within the last substep.
-    before: Vec<(DVec2, DVec2)>,
+    /// Each body one substep ago, while the frame lies within the last substep.
+    before: Vec<Start>,
     clock: Clock,
 }
 
@@ -185,6 +187,7 @@ impl Contact {
         self.change_length();
         self.accelerate();
         self.find();
+        self.note_start();
         self.impacts(tally);
         if self.setting.can_rest {
             self.slow_counted();
@@ -382,12 +385,7 @@ impl Advance for Contact {
             self.before.clear();
             if self.steps + self.substeps.next_length() > over {
                 self.find_held();
-                let before = |at| {
-                    let velocity = self.velocity_between(at);
-                    // As if it had been there, on its way, when the substep began.
-                    (self.bodies[at].position - velocity * self.late, velocity)
-                };
-                self.before = (0..self.bodies.len()).map(before).collect();
+                self.before = (0..self.bodies.len()).map(|at| self.start_of(at)).collect();
             }
             // One stripe is not worth waking threads for.
             let is_cut = Layout::of(self.bodies.len()).is_cut();
@@ -430,7 +428,7 @@ impl Advance for Contact {
             self.ids.push(id);
             self.hit.push(false);
             if !self.before.is_empty() {
-                self.before.push((ball.position, ball.velocity));
+                self.before.push(Start::of(ball));
             }
         }
         self.all_asleep = false;
@@ -445,8 +443,9 @@ impl Advance for Contact {
         // What held it holds it no longer.
         body.velocity = ball.velocity - 0.5 * self.setting.kick;
         body.free = body.velocity;
-        if let Some((_, velocity)) = self.before.get_mut(at) {
-            *velocity = ball.velocity;
+        self.course.forget(at);
+        if let Some(start) = self.before.get_mut(at) {
+            start.velocity = ball.velocity;
         }
         true
     }

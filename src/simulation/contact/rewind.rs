@@ -11,6 +11,7 @@ use super::events::{Event, Spot};
 use super::fates::Fate;
 use super::holds::Marks;
 use super::impacts::Stage;
+use super::legs::Leg;
 use super::stripes::{NOWHERE, Stripes};
 use super::turns::Turn;
 use super::{Body, DVec2, Tally};
@@ -289,5 +290,9 @@ impl State {
         stage.bodies[body] = self.of_body(&stage.bodies[body]);
         stage.fates[body].back_to(self.fate);
         stage.hit[body] = self.hit;
+        if let Some(legs) = &mut stage.legs {
+            let fate = &stage.fates[body];
+            legs.push(Leg::of(body, &stage.bodies[body], fate, fate.time));
+        }
     }
 }

@@ -3,7 +3,25 @@
 use glam::DVec2;
 
 use super::super::Frame;
-use super::Contact;
+use super::super::ball::Ball;
+use super::{Contact, Setting};
+
+/// A body where the substep begins that a frame ends in.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Start {
+    pub(super) position: DVec2,
+    /// Its velocity then.
+    pub(super) velocity: DVec2,
+    /// The same as [`super::Body`] has it, until it meets something.
+    way: DVec2,
+}
+
+impl Start {
+    /// That of a ball which was not there when the substep began.
+    pub(super) fn of(ball: &Ball) -> Self {
+        Self { position: ball.position, velocity: ball.velocity, way: ball.velocity }
+    }
+}
 
 impl Contact {
     /// Notes which bodies are held in the substep that is over.
@@ -35,24 +53,62 @@ impl Contact {
         if held { body.velocity } else { body.velocity + 0.5 * body.change(self.setting.kick) }
     }
 
-    /// Whether nothing but gravity moved a body in the substep that is over.
-    fn flew(&self, at: usize) -> bool {
+    /// A body where a substep is about to begin.
+    pub(super) fn start_of(&self, at: usize) -> Start {
+        let velocity = self.velocity_between(at);
+        // As if it had been there, on its way, when the substep began.
+        Start { position: self.bodies[at].position - velocity * self.late, velocity, way: velocity }
+    }
+
+    /// Notes how fast bodies go into the substep, until they meet something.
+    pub(super) fn note_start(&mut self) {
+        for (start, body) in self.before.iter_mut().zip(&self.bodies) {
+            start.way = body.velocity;
+        }
+    }
+
+    /// Whether nothing but gravity and impacts moved a body in the substep that is over.
+    fn flies(&self, at: usize) -> bool {
         let body = &self.bodies[at];
-        let was_hit = self.course.was_hit(at);
-        body.inverse_mass > 0.0 && body.velocity == body.free && !was_hit && self.held.get(at) != Some(&true)
+        body.inverse_mass > 0.0 && body.velocity == body.free && self.held.get(at) != Some(&true)
     }
 
     /// A body's position and velocity at the end of the last substep, or after this share of it.
     #[inline]
     fn seen(&self, at: usize, share: f64) -> (DVec2, DVec2) {
-        let (position, velocity) = (self.bodies[at].position, self.velocity_between(at));
-        let Some(&(was, had)) = self.before.get(at) else { return (position, velocity) };
-        let mut between = was.lerp(position, share);
-        if self.flew(at) {
-            // Its path is a parabola, not that line.
-            between -= 0.5 * share * (1.0 - share) * self.setting.substep * self.setting.kick;
+        let end = (self.bodies[at].position, self.velocity_between(at));
+        let Some(start) = self.before.get(at) else { return end };
+        let line = || (start.position.lerp(end.0, share), start.velocity.lerp(end.1, share));
+        if self.course.was_hit(at) {
+            return self.seen_on_legs(at, start, share).unwrap_or_else(line);
         }
-        (between, had.lerp(velocity, share))
+        let (place, velocity) = line();
+        (if self.flies(at) { place + self.bend(share) } else { place }, velocity)
+    }
+
+    /// How far from its straight way gravity has bent that of a ball that flies.
+    fn bend(&self, share: f64) -> DVec2 {
+        -0.5 * share * (1.0 - share) * self.setting.substep * self.setting.kick
+    }
+
+    /// A body that was hit, by nothing but impacts, on its ways between these; [`None`] where something else has moved it,
+    /// too, or they are not known.
+    fn seen_on_legs(&self, at: usize, start: &Start, share: f64) -> Option<(DVec2, DVec2)> {
+        let Setting { substep, kick, size, walls, .. } = self.setting;
+        let body = &self.bodies[at];
+        let (on, last) = self.course.legs.of_body(at)?;
+        if !self.flies(at) || last.velocity != Some(body.velocity) {
+            return None;
+        }
+        let (since, place, way) = match on {
+            None => (0.0, start.position, start.way),
+            Some(leg) => (leg.since, leg.place, leg.velocity?),
+        };
+        let place = place + way * (share * substep - since) + self.bend(share);
+        // What is foreseen of it follows the straight way, which may come to a wall a little later.
+        let radius = DVec2::splat(body.radius);
+        let place = if walls.is_some() { place.min(size - radius).max(radius) } else { place };
+        Some((place, way + kick * (share - 0.5)))
     }
 
     /// Shows the balls as they are at the clock's time, after this share of the last substep where `before` tells of its
@@ -63,6 +119,9 @@ impl Contact {
             *hit |= held;
         }
         self.find_held_by_walls();
+        if !self.before.is_empty() {
+            self.course.legs.look_up(self.bodies.len(), share * self.setting.substep);
+        }
         // Bodies are read out of their order: that costs less than to write balls out of theirs.
         let mut places = std::mem::take(&mut self.places);
         places.resize(self.ids.len(), 0);

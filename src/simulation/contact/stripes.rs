@@ -7,6 +7,7 @@ use super::super::Tally;
 use super::events::Event;
 use super::holds::{Beside, Given, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
+use super::legs::Leg;
 use super::order::{Heights, Kept, Known, Links};
 use super::rewind::Taken;
 use super::support::Floor;
@@ -63,6 +64,8 @@ pub(super) struct Stripe {
     pub(super) left_bodies: Vec<u32>,
     /// Impacts that were taken in turns that began with this stripe.
     pub(super) taken: Vec<Taken>,
+    /// The legs that balls are on after them, where they are noted, by the bodies' numbers among all.
+    pub(super) legs: Vec<Leg>,
     /// Balls that were kept from going where they are not covered.
     pub(super) strays: Vec<u32>,
     /// Balls that what held them has thrown.

@@ -15,6 +15,7 @@ use super::fates::{Fate, Limits};
 use super::find::Near;
 use super::impacts::Stage;
 use super::layout::{Layer, Layout};
+use super::legs::Legs;
 use super::rewind::{Elsewhere, Past};
 use super::stripes::{Stripe, Stripes};
 use super::{Contact, Tally};
@@ -30,6 +31,8 @@ pub(super) struct Course {
     lasts: Vec<Spot>,
     /// Those that are foreseen in the last.
     queue: BinaryHeap<Event>,
+    /// What they have bodies go along, where a frame asks for it.
+    pub(super) legs: Legs,
 }
 
 /// Who takes impacts, in the order in which they do.
@@ -53,13 +56,25 @@ impl Course {
     pub(super) fn was_hit(&self, body: usize) -> bool {
         self.fates.get(body).is_some_and(|fate| fate.hits > 0)
     }
+
+    /// Forgets the impacts of a body.
+    pub(super) fn forget(&mut self, body: usize) {
+        if let Some(fate) = self.fates.get_mut(body) {
+            *fate = Fate::default();
+        }
+    }
 }
 
 impl Contact {
     /// All impacts of a substep.
     pub(super) fn impacts(&mut self, tally: &mut Tally) {
-        let Some(near) = &self.near else { return };
+        let Some(near) = &mut self.near else { return };
+        // One that began late is shorter than others: where in it a frame ends is not looked for.
+        let noted = !self.before.is_empty() && self.late == 0.0;
+        self.course.legs.begin(noted);
+        near.stripes.iter_mut().for_each(|stripe| stripe.legs.clear());
         if near.stripes.iter().all(Stripe::is_idle) {
+            self.course.fates.clear();
             return;
         }
         self.course.fates.resize(self.bodies.len(), Fate::default());
@@ -80,14 +95,25 @@ impl Contact {
         let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, .. } = self else {
             return;
         };
-        let Course { fates, queue, lasts, .. } = course;
+        let Course { fates, queue, lasts, legs, .. } = course;
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
-        let stage = Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits };
+        let noted = legs.noted.then_some(&mut legs.list);
+        let mut stage =
+            Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits, legs: noted };
         if near.layout.is_cut() {
             let stripes = 0..near.stripes.len();
-            take_left(stage, near, Past { now: Turn::All, stripes, start: 0, lasts, later: Vec::new() });
+            let past = Past { now: Turn::All, stripes, start: 0, lasts, later: Vec::new() };
+            take_left(&mut stage, near, past);
         } else {
-            take_all(stage, near);
+            take_all(&mut stage, near);
+        }
+        let ended = stage.limits.ended;
+        for stripe in &mut near.stripes {
+            legs.list.append(&mut stripe.legs);
+        }
+        if ended {
+            // Fast balls go nowhere from then on.
+            legs.list.clear();
         }
     }
 
@@ -98,6 +124,7 @@ impl Contact {
             return;
         };
         let (layout, count, crowd) = (near.layout, bodies.len(), near.crowd);
+        let noted = course.legs.noted;
         let shares = layout.share_stripes(layer, &mut near.stripes);
         let shares = shares.zip(layout.share(layer, bodies)).zip(layout.share(layer, &mut course.fates));
         let shares = shares.zip(layout.share_read(layer, restitutions)).zip(layout.share(layer, rests));
@@ -111,6 +138,8 @@ impl Contact {
             let (first, list) = stripes;
             let (mut tally, mut queue) = (Tally::default(), take(&mut list[0].queue));
             let (counts, events) = (&mut tally, &mut queue);
+            let mut legs = take(&mut list[0].legs);
+            let (start, known) = (layout.start(first), legs.len());
             let limits = Limits::of(count, bodies.len(), crowd, setting);
             let stage = Stage {
                 setting,
@@ -122,16 +151,19 @@ impl Contact {
                 tally: counts,
                 queue: events,
                 limits,
+                legs: noted.then_some(&mut legs),
             };
             let stripes = Stripes {
                 layout: if list.len() == 1 { Layout::ONE } else { layout.of_block() },
                 list: &mut *list,
             };
             let numbers = first..first + stripes.list.len();
-            let past = Past { now, stripes: numbers, start: layout.start(first), lasts, later: Vec::new() };
+            let past = Past { now, stripes: numbers, start, lasts, later: Vec::new() };
             work(Work { stage, layout, stripes, homes, crossing, turns, past, struck: Vec::new() });
             list[0].tally.add(&tally);
             list[0].queue = queue;
+            legs[known..].iter_mut().for_each(|leg| leg.body += start as u32);
+            list[0].legs = legs;
         });
     }
 }
@@ -338,7 +370,7 @@ fn later_for(layout: Layout, stripe: Option<usize>, later: Turn) -> Turn {
 }
 
 /// Takes all impacts that are left by turns before.
-fn take_left(mut stage: Stage<'_>, near: &mut Near, mut past: Past<'_>) {
+fn take_left(stage: &mut Stage<'_>, near: &mut Near, mut past: Past<'_>) {
     let (layout, count) = (near.layout, stage.bodies.len());
     stage.queue.clear();
     let mut left = Vec::new();
@@ -352,11 +384,11 @@ fn take_left(mut stage: Stage<'_>, near: &mut Near, mut past: Past<'_>) {
         near.link_pairs(count);
     }
     let mut struck: Vec<_> = left.into_iter().map(|body| (body, stage.fates[body].time)).collect();
-    go_on(&mut stage, near, &mut past, &mut struck);
-    while let Some(event) = next(&mut stage, near) {
+    go_on(stage, near, &mut past, &mut struck);
+    while let Some(event) = next(stage, near) {
         let hit = stage.take(&event, &mut near.all());
         struck.extend(hit.into_iter().flatten().map(|body| (body, event.time)));
-        go_on(&mut stage, near, &mut past, &mut struck);
+        go_on(stage, near, &mut past, &mut struck);
     }
     for number in layout.numbers(Layer::Own) {
         stage.tally.add(&near.stripes[number].tally);
@@ -380,7 +412,7 @@ fn go_on(stage: &mut Stage<'_>, near: &mut Near, past: &mut Past<'_>, struck: &m
 }
 
 /// Takes all impacts of a substep where all bodies are one stripe.
-fn take_all(mut stage: Stage<'_>, near: &mut Near) {
+fn take_all(stage: &mut Stage<'_>, near: &mut Near) {
     let count = stage.bodies.len();
     if stage.begin() {
         (0..count).for_each(|body| stage.foresee_fast_wall(body));
@@ -389,13 +421,13 @@ fn take_all(mut stage: Stage<'_>, near: &mut Near) {
     if !stage.queue.is_empty() {
         near.link_pairs(count);
     }
-    while let Some(event) = next(&mut stage, near) {
+    while let Some(event) = next(stage, near) {
         let stripes = &mut near.all();
         if let Some(hit) = stage.take_together(&event, stripes) {
-            foresee(&mut stage, near, hit.iter().copied());
+            foresee(stage, near, hit.iter().copied());
         } else {
             let hit = stage.take(&event, stripes);
-            foresee(&mut stage, near, hit.into_iter().flatten());
+            foresee(stage, near, hit.into_iter().flatten());
         }
     }
 }

@@ -36,6 +36,14 @@ pub(super) struct Met {
     pub(super) time: f64,
     /// Whether it then stands far from where it was.
     pub(super) shifts: bool,
+    /// When it bounced first across each axis; never, where it did not.
+    pub(super) first: [f64; 2],
+    /// Whether it bounced again across one.
+    pub(super) again: bool,
+}
+
+impl Met {
+    const NOTHING: Self = Self { time: 0.0, shifts: false, first: [f64::INFINITY; 2], again: false };
 }
 
 /// Bounces a ball of this inverse mass off the walls that it meets in this substep after `since`, when it was last hit.
@@ -63,10 +71,14 @@ pub(super) fn meet_walls(
             tally.wall_hits += u64::from(landed.bounces);
         }
         tally.wall_impulse[axis] += side * landed.impulse / own;
-        let before = met.unwrap_or(Met { time: 0.0, shifts: false });
+        let before = met.unwrap_or(Met::NOTHING);
+        let mut first = before.first;
+        first[axis] = since + landed.first;
         met = Some(Met {
             time: before.time.max(since + landed.time),
             shifts: before.shifts || (landed.fastest * setting.substep > SHIFT * body.radius),
+            first,
+            again: before.again || landed.bounces > 1,
         });
     }
     met
@@ -170,6 +182,8 @@ struct Landed {
     /// When it bounced again for the last time, s, but for hops in which it hardly moves; 0 where it did not.
     time: f64,
     bounces: u32,
+    /// When it bounced first; never, where it did not.
+    first: f64,
     /// The fastest of them, px/s.
     fastest: f64,
     /// The sum of the changes of velocity, px/s.
@@ -181,7 +195,7 @@ impl Hop {
     /// slower than `slow`, px/s, hardly move it.
     fn bounce(mut self, time: f64, substep: f64, slow: f64, e: f64) -> Landed {
         let (mut left, mut bounces, mut fastest, mut impulse) = (time, 0, 0.0_f64, 0.0);
-        let mut last = 0.0;
+        let (mut first, mut last) = (f64::INFINITY, 0.0);
         self.height = self.height.max(0.0);
         loop {
             let Self { height, speed, acceleration } = self;
@@ -202,9 +216,10 @@ impl Hop {
                     speed: speed + acceleration * left,
                     acceleration,
                 };
-                return Landed { at: Some(at), time: last, bounces, fastest, impulse };
+                return Landed { at: Some(at), time: last, bounces, first, fastest, impulse };
             }
             left -= wait;
+            first = first.min(time - left);
             if bounces > 0 && arrival > slow {
                 last = time - left;
             }
@@ -214,7 +229,7 @@ impl Hop {
             self = Self { height: 0.0, speed: e * arrival, acceleration };
             let short = 2.0 * self.speed <= -acceleration * SHORTEST_HOP * substep;
             if short || bounces == BOUNCES {
-                return Landed { at: None, time: last, bounces, fastest, impulse };
+                return Landed { at: None, time: last, bounces, first, fastest, impulse };
             }
         }
     }
