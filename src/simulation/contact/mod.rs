@@ -192,9 +192,12 @@ impl Contact {
         if self.setting.can_rest {
             self.slow_counted();
             self.support();
+            // Without what has nothing to do: threads would wait for each other to find that out.
+            let presses = self.setting.kick != DVec2::ZERO;
+            let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
             self.sweep(&[
-                Pass::CARRY,
-                Pass::HOLD_AGAIN,
+                if presses { Pass::CARRY } else { Pass::NOTHING },
+                if presses && shaken { Pass::HOLD_AGAIN } else { Pass::NOTHING },
                 Pass::TRAVEL,
                 Pass::RELAX,
                 Pass::RELAX_ON_WALLS,
@@ -298,6 +301,9 @@ impl Contact {
 }
 
 impl Pass<'_> {
+    /// Does nothing.
+    const NOTHING: Self = Self { layers: &[], only_busy: true, work: &|_, _, _| () };
+
     /// Takes from balls what held them: pairs that are not near any more hold nothing.
     const LET_GO: Self = Self {
         layers: &[Layer::Own],

@@ -95,15 +95,11 @@ fn take_up(setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>) {
 }
 
 impl Pass<'_> {
-    /// Stops what still sinks on what carries it. Without gravity nothing lies on anything.
+    /// Stops what still sinks on what carries it. Not without gravity: nothing lies on anything.
     pub(super) const CARRY: Self = Self {
         layers: Layer::AROUND,
         only_busy: true,
-        work: &|setting, stripe, share| {
-            if setting.kick != DVec2::ZERO {
-                stripe.carry_all(share.bodies);
-            }
-        },
+        work: &|_, stripe, share| stripe.carry_all(share.bodies),
     };
 
     /// Holds balls apart once more where many were hit: what stopped some on what carries them has turned them against
@@ -112,7 +108,7 @@ impl Pass<'_> {
         layers: Layer::OUTWARD,
         only_busy: true,
         work: &|setting, stripe, share| {
-            if setting.kick != DVec2::ZERO && stripe.shifted * MANY > share.bodies.len() {
+            if stripe.is_shaken(share.bodies.len()) {
                 stripe.press_outward(share.bodies, setting.softness.yielding);
                 hold_on_walls(setting, share.bodies, &mut stripe.beside);
             }
@@ -146,7 +142,22 @@ pub(super) fn deal(pairs: &[u32], dealt: &mut Vec<u32>) {
     dealt.extend_from_slice(others);
 }
 
+impl Near {
+    /// Whether impacts have shifted many of any stripe's balls, of so many in all.
+    pub(super) fn is_shaken(&self, bodies: usize) -> bool {
+        self.stripes
+            .iter()
+            .enumerate()
+            .any(|(number, stripe)| stripe.is_shaken(self.layout.count(number, bodies)))
+    }
+}
+
 impl Stripe {
+    /// Whether impacts have shifted many of so many balls.
+    fn is_shaken(&self, bodies: usize) -> bool {
+        self.shifted * MANY > bodies
+    }
+
     /// What held balls when they met is of no use any more.
     fn forget(&mut self) {
         for hold in &mut self.holds {
