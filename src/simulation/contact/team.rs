@@ -77,11 +77,7 @@ mod pool {
                         // One that comes here while it waits for others has work unfinished beneath: if it stayed, what
                         // it waits for might never be over.
                         let Some(_busy) = self.begin().filter(|busy| !busy.was) else { return };
-                        while !over.load(Ordering::Relaxed) {
-                            if yield_now() != Some(Yield::Executed) {
-                                std::thread::yield_now();
-                            }
-                        }
+                        stay_awake_until(over);
                     });
                     // The others are let go of even where `work` panics.
                     let _over = Over(over);
@@ -100,7 +96,7 @@ mod pool {
             let mut items: Vec<_> = items.into_iter().map(Some).collect();
             let half = items.len() / 2;
             let (low, high) = items.split_at_mut(half);
-            in_halves(from_behind, || self.share(low, false, &work), || self.share(high, true, &work));
+            self.in_halves(from_behind, || self.share(low, false, &work), || self.share(high, true, &work));
         }
 
         /// Works on items, from the first on or from the last. Two threads begin at both ends of all, each at the same end
@@ -119,7 +115,17 @@ mod pool {
                 let (low, high) =
                     (|| self.share(low, from_behind, work), || self.share(high, from_behind, work));
                 let _busy = self.begin();
-                in_halves(from_behind, low, high);
+                self.in_halves(from_behind, low, high);
+            }
+        }
+
+        /// Does both; the thread that it is called on does `low` first, or `high`.
+        fn in_halves(&self, from_behind: bool, low: impl FnOnce() + Send, high: impl FnOnce() + Send) {
+            match (self.fits, from_behind) {
+                (true, true) => both_awake(high, low),
+                (true, false) => both_awake(low, high),
+                (false, true) => drop(join(high, low)),
+                (false, false) => drop(join(low, high)),
             }
         }
 
@@ -147,16 +153,30 @@ mod pool {
 
     impl Drop for Over<'_> {
         fn drop(&mut self) {
-            self.0.store(true, Ordering::Relaxed);
+            self.0.store(true, Ordering::Release);
         }
     }
 
-    /// Does both; the thread that it is called on does `low` first, or `high`.
-    fn in_halves(from_behind: bool, low: impl FnOnce() + Send, high: impl FnOnce() + Send) {
-        if from_behind {
-            join(high, low);
-        } else {
-            join(low, high);
+    /// What [`join`] does, but without going to sleep where the second part is with another thread, which `join` does after
+    /// a few microseconds: to be woken takes longer than the rest of that part.
+    fn both_awake(first: impl FnOnce() + Send, second: impl FnOnce() + Send) {
+        let over = &AtomicBool::new(false);
+        scope(|scope| {
+            scope.spawn(move |_| {
+                let _over = Over(over);
+                second();
+            });
+            first();
+            stay_awake_until(over);
+        });
+    }
+
+    /// Does what there is to do until something is over.
+    fn stay_awake_until(over: &AtomicBool) {
+        while !over.load(Ordering::Acquire) {
+            if yield_now() != Some(Yield::Executed) {
+                std::thread::yield_now();
+            }
         }
     }
 }
