@@ -381,17 +381,12 @@ impl Advance for Contact {
             self.clock = target;
             return seconds;
         }
-        let mut stopped = false;
+        let (mut stopped, mut held_found) = (false, false);
         while self.steps < last && !stopped {
             if self.all_asleep {
                 self.before.clear();
                 self.sleep_until(last);
                 break;
-            }
-            self.before.clear();
-            if self.steps + self.substeps.next_length() > over {
-                self.find_held();
-                self.before = (0..self.bodies.len()).map(|at| self.start_of(at)).collect();
             }
             // One stripe is not worth waking threads for.
             let is_cut = Layout::of(self.bodies.len()).is_cut();
@@ -399,8 +394,22 @@ impl Advance for Contact {
                 self.team.start(self.tuning.threads);
             }
             let team = if is_cut { self.team.clone() } else { Team::default() };
-            team.gather(|| self.step(frame.tally));
+            team.gather(|| {
+                self.before.clear();
+                if self.steps + self.substeps.next_length() > over {
+                    self.find_held(&team);
+                    self.before = (0..self.bodies.len()).map(|at| self.start_of(at)).collect();
+                }
+                self.step(frame.tally);
+                held_found = self.steps >= last;
+                if held_found {
+                    self.find_held_by_balls(&team);
+                }
+            });
             stopped = !go_on();
+        }
+        if !held_found {
+            self.find_held_by_balls(&Team::default());
         }
         if self.steps < last {
             self.clock = Clock::at_step(self.steps, self.substeps.rate).max(from);

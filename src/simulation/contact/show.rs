@@ -4,6 +4,10 @@ use glam::DVec2;
 
 use super::super::Frame;
 use super::super::ball::Ball;
+use super::find::Near;
+use super::layout::Layer;
+use super::stripes::{Stripe, of_layer};
+use super::team::Team;
 use super::{Contact, Setting};
 
 /// A body where the substep begins that a frame ends in.
@@ -25,17 +29,31 @@ impl Start {
 
 impl Contact {
     /// Notes which bodies are held in the substep that is over.
-    pub(super) fn find_held(&mut self) {
-        self.find_held_by_balls();
+    pub(super) fn find_held(&mut self, team: &Team) {
+        self.find_held_by_balls(team);
         self.find_held_by_walls();
     }
 
-    fn find_held_by_balls(&mut self) {
+    /// Those that other bodies hold. Each thread looks at what it has worked on: to fetch that from another's cache takes
+    /// longer than to look at it.
+    pub(super) fn find_held_by_balls(&mut self, team: &Team) {
         let Self { near: Some(near), held, bodies, .. } = self else { return };
         held.clear();
         held.resize(bodies.len(), false);
-        for (first, second, _) in near.holding() {
-            (held[first], held[second]) = (true, true);
+        let find = |(stripe, held): (&mut Stripe, &mut [bool])| {
+            for hold in stripe.holds.iter().filter(|hold| hold.impulse > 0.0) {
+                for body in [hold.pair.first, hold.pair.second] {
+                    held[body as usize] = true;
+                }
+            }
+        };
+        let Near { layout, stripes, .. } = near;
+        match &mut stripes[..] {
+            [] => {}
+            [stripe] => find((stripe, held)),
+            _ => Layer::OUTWARD.iter().for_each(|&layer| {
+                team.each(of_layer(stripes, *layout, layer).zip(layout.share(layer, held)), find);
+            }),
         }
     }
 
@@ -112,9 +130,8 @@ impl Contact {
     }
 
     /// Shows the balls as they are at the clock's time, after this share of the last substep where `before` tells of its
-    /// beginning. This evaluates, and never writes back.
+    /// beginning. This evaluates, and never writes back. Which bodies others hold must have been found.
     pub(super) fn show(&mut self, frame: &mut Frame<'_>, share: f64) {
-        self.find_held_by_balls();
         for (hit, &held) in self.hit.iter_mut().zip(&self.held) {
             *hit |= held;
         }

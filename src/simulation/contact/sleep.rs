@@ -111,7 +111,8 @@ impl Contact {
 
     /// Puts those to sleep that have rested since that was last looked at.
     fn put_to_sleep(&mut self, window: u64) {
-        self.find_held();
+        let team = self.team.clone();
+        self.find_held(&team);
         self.release_deep();
         let drift = self.drift(window);
         let Self { setting, bodies, rests, near: Some(near), held, course, .. } = self else { return };

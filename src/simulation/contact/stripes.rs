@@ -77,6 +77,9 @@ pub(super) struct Stripe {
     pub(super) known: Known,
     /// How many of its bodies impacts have shifted in this substep.
     pub(super) shifted: usize,
+    /// The greatest impulse that holds two of its balls apart, when that was last looked at: as a velocity of the lighter
+    /// one or less, px/s.
+    pub(super) carried: f64,
     /// Whether impulses that hold apart changed much in the last sweep.
     pub(super) unsettled: bool,
     /// What happened in all turns but the last.
@@ -105,6 +108,7 @@ impl Stripe {
         self.leaving.clear();
         self.disturbed.clear();
         self.shifted = 0;
+        self.carried = 0.0;
     }
 
     /// Whether it has neither pairs nor anything beside a wall.

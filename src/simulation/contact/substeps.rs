@@ -15,7 +15,8 @@ use super::super::world::World;
 use super::find::FEW;
 use super::holds::Hold;
 use super::layout::Layer;
-use super::stripes::{Stripe, of_layer};
+use super::stripes::of_layer;
+use super::sweep::Pass;
 use super::{Contact, Setting};
 
 /// Beats in a second, at least.
@@ -229,24 +230,32 @@ impl Contact {
             return;
         }
         let rough = substeps.calm < beats || near.weights.differ || *asleep * MANY_ASLEEP > bodies.len();
-        let carried =
-            near.stripes.iter().map(Stripe::most_carried).fold(0.0, f64::max) / setting.kick.length();
-        substeps.next = match CARRIED {
-            _ if rough => MOST,
+        substeps.calm = (substeps.calm + 1).min(beats);
+        if rough {
+            substeps.next = MOST;
+            return;
+        }
+        self.sweep(&[Pass::NOTE_CARRIED]);
+        let Self { setting, substeps, near: Some(near), .. } = self else { return };
+        let carried = near.stripes.iter().map(|stripe| stripe.carried).fold(0.0, f64::max);
+        substeps.next = match CARRIED.map(|most| most * setting.kick.length()) {
             [few, _] if carried < few => FEWEST,
             [_, many] if carried < many => FEWEST + 1,
             _ => MOST,
         };
-        substeps.calm = (substeps.calm + 1).min(beats);
     }
 }
 
-impl Stripe {
-    /// The greatest impulse that holds two of its balls apart, as a velocity of the lighter one or less, px/s.
-    fn most_carried(&self) -> f64 {
-        let carried = |hold: &Hold| 0.5 * hold.impulse / hold.mass;
-        self.holds.iter().map(carried).fold(0.0, f64::max)
-    }
+impl Pass<'_> {
+    /// Notes what balls carry.
+    const NOTE_CARRIED: Self = Self {
+        layers: Layer::OUTWARD,
+        only_busy: true,
+        work: &|_, stripe, _| {
+            let carried = |hold: &Hold| 0.5 * hold.impulse / hold.mass;
+            stripe.carried = stripe.holds.iter().map(carried).fold(0.0, f64::max);
+        },
+    };
 }
 
 #[cfg(test)]
