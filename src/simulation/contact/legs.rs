@@ -9,6 +9,9 @@ use super::Body;
 use super::fates::Fate;
 use super::walls::Met;
 
+/// Legs begin at one time that begin no later than this after each other, s.
+const AT_ONE_TIME: f64 = 1e-9;
+
 /// What a ball goes along after an impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Leg {
@@ -45,6 +48,14 @@ impl Leg {
         })
     }
 
+    /// Whether one of the two was taken later and begins before the other all the same, with nothing taken back between: a
+    /// ball that meets two walls in a substep meets both at once, whatever hits it between.
+    fn contradicts(&self, other: &Self) -> bool {
+        let (earlier, later) = if self.is_later(other) { (other, self) } else { (self, other) };
+        let same = earlier.course >> u16::BITS == later.course >> u16::BITS;
+        same && later.since < earlier.since - AT_ONE_TIME
+    }
+
     /// Whether its ball came on it later than on another one.
     fn is_later(&self, other: &Self) -> bool {
         (self.course, self.since) > (other.course, other.since)
@@ -64,6 +75,8 @@ pub(super) struct Legs {
 
 impl Legs {
     const NONE: u32 = u32::MAX;
+    /// The place of the last leg of a body whose way is not known.
+    const LOST: u32 = u32::MAX - 1;
 
     /// Begins a substep in which they are noted, or not.
     pub(super) fn begin(&mut self, noted: bool) {
@@ -78,6 +91,10 @@ impl Legs {
         places.resize(bodies, [Self::NONE; 2]);
         for (place, leg) in (0..).zip(&*list) {
             let [on, last] = &mut places[leg.body as usize];
+            if *last == Self::LOST || list.get(*last as usize).is_some_and(|other| leg.contradicts(other)) {
+                *last = Self::LOST;
+                continue;
+            }
             let replace = |known: &mut u32| {
                 if list.get(*known as usize).is_none_or(|other| leg.is_later(other)) {
                     *known = place;
