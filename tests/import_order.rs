@@ -44,7 +44,7 @@ const HOUSE: &[(&str, &[&str], &[&str])] = &[
 ];
 
 /// The one file of the physics that may know of threads, and what it may use that no other file there may.
-const THREADS: (&str, &[&str]) = ("simulation/contact/team.rs", &["rayon", "sync", "thread"]);
+const THREADS: (&str, &[&str]) = ("simulation/contact/team.rs", &["panic", "rayon", "sync", "thread"]);
 
 /// Names that lib.rs re-exports, by the part that they come from.
 const RE_EXPORTS: &[(&str, &str)] = &[

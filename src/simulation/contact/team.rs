@@ -204,6 +204,7 @@ mod pool {
 
 #[cfg(all(test, feature = "parallel"))]
 mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
     use std::sync::Barrier;
     use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -237,6 +238,19 @@ mod tests {
         for threads in [2, 3] {
             let team = awake(threads);
             (0..4000).for_each(|round| gather_some(&team, round));
+        }
+    }
+
+    /// Without, a thread would wait for ever for a part that is never over.
+    #[test]
+    fn a_panic_in_any_part_comes_out_of_the_gathering_and_the_next_works() {
+        for threads in [2, 3] {
+            let team = awake(threads);
+            for part in 0..9 {
+                let panics = || team.gather(|| team.each(0..9, |at| assert_ne!(at, part, "as it should")));
+                assert!(catch_unwind(AssertUnwindSafe(panics)).is_err());
+                gather_some(&team, part);
+            }
         }
     }
 
