@@ -5,11 +5,13 @@ use carom::{DVec2, Scene, Simulation};
 
 const FRAME: f64 = 1.0 / 60.0;
 
-/// Positions and velocities, and what happened, after so many frames of uneven length.
+/// Positions and velocities, and what happened, after so many frames of uneven length, the last of which ends within a
+/// substep.
 fn outcome(mut simulation: Simulation, frames: usize) -> Vec<[u64; 4]> {
     for frame in 0..frames {
         simulation.advance(FRAME * if frame % 3 == 0 { 0.7 } else { 1.1 }).unwrap();
     }
+    simulation.advance(0.4 * FRAME).unwrap();
     let tally = simulation.tally();
     let bits = |a: DVec2, b: DVec2| [a.x, a.y, b.x, b.y].map(f64::to_bits);
     let mut outcome: Vec<_> =

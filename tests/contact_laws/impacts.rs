@@ -27,7 +27,7 @@ fn two_balls_give_back_their_restitution_at_any_speed() {
             let one = moving(ball(400.0, 500.0, 10.0), speed, 0.0).with_restitution(e).unwrap();
             let other = ball(430.0, 500.0, 10.0).with_mass(3.0).unwrap();
             for mut simulation in both_ways(&simulation(world, vec![one, other])) {
-                // At least a substep: within one the picture lies between its ends.
+                // At least a substep, so that it is over.
                 simulation.advance((20.0 / speed).max(1.0 / 240.0)).unwrap();
                 let parting = simulation.balls()[1].velocity().x - simulation.balls()[0].velocity().x;
                 assert!((parting - e * speed).abs() < 1e-12 * speed, "{e} {speed}: {parting}");

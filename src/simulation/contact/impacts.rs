@@ -339,7 +339,7 @@ impl Stage<'_> {
         }
         limits.exhausted |= limits.exhausts(fate);
         if let Some(legs) = &mut self.legs {
-            legs.push(Leg::of(at, &bodies[at], fate, time));
+            legs.push(Leg::of(at, &bodies[at], time));
         }
     }
 

@@ -3,21 +3,20 @@
 //! Only noted where a frame asks for them: between the substeps that are taken, what flies is shown where it is, as fast as
 //! it goes there, and not on the line from where the substep begins to where it ends.
 
-use glam::DVec2;
+use glam::{BVec2, DVec2};
 
 use super::Body;
-use super::fates::Fate;
 use super::walls::Met;
 
 /// Legs begin at one time that begin no later than this after each other, s.
 const AT_ONE_TIME: f64 = 1e-9;
 
-/// What a ball goes along after an impact.
+/// What a ball goes along after an impact, or again where that is taken back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Leg {
     pub(super) body: u32,
-    /// What tells the impact before it from others of this ball: of two, the greater was taken later.
-    course: u32,
+    /// Whether it comes of an impact that was taken back: it may begin before the one noted before it.
+    pub(super) goes_back: bool,
     /// When it begins, s after the substep's beginning, and where.
     pub(super) since: f64,
     pub(super) place: DVec2,
@@ -26,46 +25,38 @@ pub(super) struct Leg {
 }
 
 impl Leg {
-    /// That of a body which was hit at this time.
-    pub(super) fn of(at: usize, body: &Body, fate: &Fate, since: f64) -> Self {
-        let velocity = Some(body.velocity);
-        Self { body: at as u32, course: fate.course(), since, place: body.end(since), velocity }
+    /// That of a body from this time on.
+    pub(super) fn of(at: usize, body: &Body, since: f64) -> Self {
+        let (place, velocity) = (body.end(since), Some(body.velocity));
+        Self { body: at as u32, goes_back: false, since, place, velocity }
     }
 
-    /// Those of a body that met walls: one after each bounce, or, where it bounced on one again, one that is not known,
-    /// whatever it hits after.
+    /// Those of a body that met walls, in their order: one after each bounce, or, where it bounced on one again, one that
+    /// is not known.
     pub(super) fn after_walls(self, before: &Body, after: &Body, met: &Met) -> [Option<Self>; 2] {
         if met.again {
-            return [Some(Self { course: u32::MAX, velocity: None, ..self }), None];
+            return [Some(Self { velocity: None, ..self }), None];
         }
-        met.first.map(|since| {
-            let turned = met.first.map(|first| first <= since);
-            let ways = [before, after].map(|body| (body.end(since), body.velocity));
-            let of_axis = |axis: usize| ways[usize::from(turned[axis])];
-            let (place, velocity) =
-                (DVec2::new(of_axis(0).0.x, of_axis(1).0.y), DVec2::new(of_axis(0).1.x, of_axis(1).1.y));
-            since.is_finite().then_some(Self { since, place, velocity: Some(velocity), ..self })
+        let [x, y] = met.first;
+        [x.min(y), x.max(y)].map(|since| {
+            let turned = BVec2::new(x <= since, y <= since);
+            let place = DVec2::select(turned, after.end(since), before.end(since));
+            let velocity = Some(DVec2::select(turned, after.velocity, before.velocity));
+            since.is_finite().then_some(Self { since, place, velocity, ..self })
         })
     }
 
-    /// Whether one of the two was taken later and begins before the other all the same, with nothing taken back between: a
-    /// ball that meets two walls in a substep meets both at once, whatever hits it between.
-    fn contradicts(&self, other: &Self) -> bool {
-        let (earlier, later) = if self.is_later(other) { (other, self) } else { (self, other) };
-        let same = earlier.course >> u16::BITS == later.course >> u16::BITS;
-        same && later.since < earlier.since - AT_ONE_TIME
-    }
-
-    /// Whether its ball came on it later than on another one.
-    fn is_later(&self, other: &Self) -> bool {
-        (self.course, self.since) > (other.course, other.since)
+    /// Whether it begins before the one that was noted before it, though nothing was taken back: a ball that meets two walls
+    /// in a substep meets both at once, whatever hits it between.
+    fn contradicts(&self, before: &Self) -> bool {
+        !self.goes_back && self.since < before.since - AT_ONE_TIME
     }
 }
 
 /// The legs of all balls in a substep.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Legs {
-    /// In any order, those of impacts that were taken back, too: then that which goes on instead came to be later.
+    /// Those of each ball in the order in which its impacts were taken.
     pub(super) list: Vec<Leg>,
     /// Whether they are noted: a frame ends in the substep.
     pub(super) noted: bool,
@@ -84,30 +75,29 @@ impl Legs {
         self.noted = noted;
     }
 
-    /// Finds out on which each of so many bodies is at this time.
+    /// Finds out on which each of so many bodies is at this time: the last noted of those that have begun. What was noted
+    /// before an impact was taken back, and has begun, comes before what goes on instead, which has begun, too.
     pub(super) fn look_up(&mut self, bodies: usize, time: f64) {
         let Self { list, places, .. } = self;
         places.clear();
         places.resize(bodies, [Self::NONE; 2]);
         for (place, leg) in (0..).zip(&*list) {
             let [on, last] = &mut places[leg.body as usize];
-            if *last == Self::LOST || list.get(*last as usize).is_some_and(|other| leg.contradicts(other)) {
+            let before = list.get(*last as usize);
+            let lost = leg.velocity.is_none() || before.is_some_and(|before| leg.contradicts(before));
+            if lost || *last == Self::LOST {
                 *last = Self::LOST;
                 continue;
             }
-            let replace = |known: &mut u32| {
-                if list.get(*known as usize).is_none_or(|other| leg.is_later(other)) {
-                    *known = place;
-                }
-            };
-            replace(last);
+            *last = place;
             if leg.since <= time {
-                replace(on);
+                *on = place;
             }
         }
     }
 
-    /// That which a body is on, [`None`] before its first impact, and its last, if it was hit.
+    /// That which a body is on, [`None`] before its first impact, and its last; nothing where it was not hit, or its way is
+    /// not known.
     #[inline]
     pub(super) fn of_body(&self, at: usize) -> Option<(Option<&Leg>, &Leg)> {
         let [on, last] = self.places.get(at)?.map(|place| self.list.get(place as usize));
@@ -117,29 +107,59 @@ impl Legs {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::ball::Ball;
     use super::*;
+
+    /// A leg of the second ball, which its number tells from others.
+    fn leg(number: f64, since: f64) -> Leg {
+        let velocity = Some(DVec2::X * number);
+        Leg { body: 1, goes_back: false, since, place: DVec2::ZERO, velocity }
+    }
+
+    /// On which of these legs the second of three balls is at a time, and which is its last.
+    fn on(list: &[Leg], time: f64) -> Option<(Option<f64>, f64)> {
+        let mut legs = Legs { list: list.to_vec(), ..Legs::default() };
+        legs.look_up(3, time);
+        assert!([0, 2].iter().all(|&other| legs.of_body(other).is_none()));
+        let number = |leg: &Leg| leg.velocity.map_or(f64::NAN, |velocity| velocity.x);
+        legs.of_body(1).map(|(on, last)| (on.map(number), number(last)))
+    }
 
     #[test]
     fn a_ball_is_on_the_last_leg_that_has_begun_and_was_not_taken_back() {
-        let leg = |body, hits: u32, undone: u32, since| Leg {
-            body,
-            course: hits | undone << u16::BITS,
-            since,
-            place: DVec2::ZERO,
-            velocity: Some(DVec2::new(f64::from(hits), f64::from(undone))),
-        };
-        // The second ball is hit at 1, 2 and 4; the last two are taken back, and it is hit at 3 instead.
-        let list = vec![leg(1, 1, 0, 1.0), leg(1, 2, 1, 3.0), leg(1, 2, 0, 2.0), leg(1, 3, 0, 4.0)];
-        let mut legs = Legs { list: [list, vec![leg(1, 1, 1, 1.0)]].concat(), ..Legs::default() };
-        for (time, want) in
-            [(0.5, None), (1.5, Some((1.0, 1.0))), (2.5, Some((1.0, 1.0))), (4.5, Some((2.0, 1.0)))]
-        {
-            legs.look_up(3, time);
-            let (on, last) = legs.of_body(1).unwrap();
-            let on = on.and_then(|leg| leg.velocity);
-            assert_eq!(on.map(|velocity| (velocity.x, velocity.y)), want, "at {time}");
-            assert_eq!(last.since, 3.0);
-            assert!([0, 2].iter().all(|&other| legs.of_body(other).is_none()));
+        // It is hit at 1, 2 and 4; the last two are taken back, and it is hit at 3 instead.
+        let back = Leg { goes_back: true, ..leg(4.0, 1.0) };
+        let list = [leg(1.0, 1.0), leg(2.0, 2.0), leg(3.0, 4.0), back, leg(5.0, 3.0)];
+        for (time, want) in [(0.5, None), (1.5, Some(4.0)), (2.5, Some(4.0)), (4.5, Some(5.0))] {
+            assert_eq!(on(&list, time), Some((want, 5.0)), "at {time}");
         }
+    }
+
+    #[test]
+    fn where_impacts_were_not_taken_in_their_order_no_way_is_known() {
+        let list = [leg(1.0, 1.0), leg(2.0, 3.0), leg(3.0, 2.0), leg(4.0, 4.0)];
+        assert!([0.5, 1.5, 2.5, 3.5, 4.5].iter().all(|&time| on(&list, time).is_none()));
+        let bounces = [Leg { velocity: None, ..leg(1.0, 1.0) }, leg(2.0, 2.0)];
+        assert!([0.5, 1.5, 2.5].iter().all(|&time| on(&bounces, time).is_none()));
+    }
+
+    #[test]
+    fn a_ball_in_a_corner_turns_round_at_each_wall_in_turn() {
+        let start = Body::new(&Ball::new(DVec2::splat(50.0), 5.0).unwrap(), DVec2::ZERO);
+        let before = Body { velocity: DVec2::new(30.0, -20.0), ..start };
+        // At the right wall at 2, at the upper one at 1.
+        let after = Body {
+            velocity: DVec2::new(-30.0, 20.0),
+            position: DVec2::new(50.0 + 120.0, 50.0 - 40.0),
+            ..start
+        };
+        let met = Met { first: [2.0, 1.0], ..Met::NOTHING };
+        let [one, other] = Leg::of(0, &after, 1.0).after_walls(&before, &after, &met).map(Option::unwrap);
+        assert_eq!((one.since, one.place), (1.0, DVec2::new(80.0, 30.0)));
+        assert_eq!(one.velocity, Some(DVec2::new(30.0, 20.0)));
+        assert_eq!((other.since, other.place), (2.0, DVec2::new(110.0, 50.0)));
+        assert_eq!(other.velocity, Some(after.velocity));
+        let again = Leg::of(0, &after, 1.0).after_walls(&before, &after, &Met { again: true, ..met });
+        assert!(again[0].is_some_and(|leg| leg.velocity.is_none()) && again[1].is_none());
     }
 }

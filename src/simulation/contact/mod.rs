@@ -335,7 +335,7 @@ impl Pass<'_> {
         layers: &[Layer::Own],
         only_busy: false,
         work: &|setting, stripe, Share { bodies, homes, .. }| {
-            let Setting { substep, size, walls, .. } = *setting;
+            let Setting { substep, walls, .. } = *setting;
             for ((at, body), home) in (0..).zip(bodies.iter_mut()).zip(homes.iter()) {
                 body.position += body.velocity * substep;
                 if !home.covers(body.position) {
@@ -350,8 +350,7 @@ impl Pass<'_> {
             for beside in &stripe.beside {
                 let body = &mut bodies[beside.body as usize];
                 if body.inverse_mass > 0.0 {
-                    let radius = DVec2::splat(body.radius);
-                    body.position = body.position.min(size - radius).max(radius);
+                    body.position = setting.within_walls(body.position, body.radius);
                 }
             }
         },
@@ -458,7 +457,6 @@ impl Advance for Contact {
         // What held it holds it no longer.
         body.velocity = ball.velocity - 0.5 * self.setting.kick;
         body.free = body.velocity;
-        self.course.forget(at);
         if let Some(start) = self.before.get_mut(at) {
             start.velocity = ball.velocity;
         }

@@ -291,8 +291,7 @@ impl State {
         stage.fates[body].back_to(self.fate);
         stage.hit[body] = self.hit;
         if let Some(legs) = &mut stage.legs {
-            let fate = &stage.fates[body];
-            legs.push(Leg::of(body, &stage.bodies[body], fate, fate.time));
+            legs.push(Leg { goes_back: true, ..Leg::of(body, &stage.bodies[body], self.fate.time) });
         }
     }
 }

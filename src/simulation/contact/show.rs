@@ -10,6 +10,9 @@ use super::stripes::{Stripe, of_layer};
 use super::team::Team;
 use super::{Contact, Setting};
 
+/// Places that differ by less, px, are the same but for rounding.
+const ROUNDING: f64 = 1e-6;
+
 /// A body where the substep begins that a frame ends in.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Start {
@@ -112,10 +115,11 @@ impl Contact {
     /// A body that was hit, by nothing but impacts, on its ways between these; [`None`] where something else has moved it,
     /// too, or they are not known.
     fn seen_on_legs(&self, at: usize, start: &Start, share: f64) -> Option<(DVec2, DVec2)> {
-        let Setting { substep, kick, size, walls, .. } = self.setting;
+        let Setting { substep, kick, walls, .. } = self.setting;
         let body = &self.bodies[at];
         let (on, last) = self.course.legs.of_body(at)?;
-        if !self.flies(at) || last.velocity != Some(body.velocity) {
+        let end = last.place + last.velocity? * (substep - last.since);
+        if !(self.flies(at) && end.abs_diff_eq(body.position, ROUNDING)) {
             return None;
         }
         let (since, place, way) = match on {
@@ -124,8 +128,7 @@ impl Contact {
         };
         let place = place + way * (share * substep - since) + self.bend(share);
         // What is foreseen of it follows the straight way, which may come to a wall a little later.
-        let radius = DVec2::splat(body.radius);
-        let place = if walls.is_some() { place.min(size - radius).max(radius) } else { place };
+        let place = if walls.is_some() { self.setting.within_walls(place, body.radius) } else { place };
         Some((place, way + kick * (share - 0.5)))
     }
 

@@ -64,7 +64,7 @@ pub(super) struct Stripe {
     pub(super) left_bodies: Vec<u32>,
     /// Impacts that were taken in turns that began with this stripe.
     pub(super) taken: Vec<Taken>,
-    /// The legs that balls are on after them, where they are noted, by the bodies' numbers among all.
+    /// The legs that balls are on after those of the present turn, where they are noted.
     pub(super) legs: Vec<Leg>,
     /// Balls that were kept from going where they are not covered.
     pub(super) strays: Vec<u32>,

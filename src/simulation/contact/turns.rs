@@ -15,7 +15,7 @@ use super::fates::{Fate, Limits};
 use super::find::Near;
 use super::impacts::Stage;
 use super::layout::{Layer, Layout};
-use super::legs::Legs;
+use super::legs::{Leg, Legs};
 use super::rewind::{Elsewhere, Past};
 use super::stripes::{Stripe, Stripes};
 use super::{Contact, Tally};
@@ -56,13 +56,6 @@ impl Course {
     pub(super) fn was_hit(&self, body: usize) -> bool {
         self.fates.get(body).is_some_and(|fate| fate.hits > 0)
     }
-
-    /// Forgets the impacts of a body.
-    pub(super) fn forget(&mut self, body: usize) {
-        if let Some(fate) = self.fates.get_mut(body) {
-            *fate = Fate::default();
-        }
-    }
 }
 
 impl Contact {
@@ -72,7 +65,6 @@ impl Contact {
         // One that began late is shorter than others: where in it a frame ends is not looked for.
         let noted = !self.before.is_empty() && self.late == 0.0;
         self.course.legs.begin(noted);
-        near.stripes.iter_mut().for_each(|stripe| stripe.legs.clear());
         if near.stripes.iter().all(Stripe::is_idle) {
             self.course.fates.clear();
             return;
@@ -107,13 +99,9 @@ impl Contact {
         } else {
             take_all(&mut stage, near);
         }
-        let ended = stage.limits.ended;
-        for stripe in &mut near.stripes {
-            legs.list.append(&mut stripe.legs);
-        }
-        if ended {
-            // Fast balls go nowhere from then on.
-            legs.list.clear();
+        if stage.limits.ended {
+            // For fast balls the substep was over then.
+            legs.list.retain(|leg| !fates[leg.body as usize].fast);
         }
     }
 
@@ -139,7 +127,6 @@ impl Contact {
             let (mut tally, mut queue) = (Tally::default(), take(&mut list[0].queue));
             let (counts, events) = (&mut tally, &mut queue);
             let mut legs = take(&mut list[0].legs);
-            let (start, known) = (layout.start(first), legs.len());
             let limits = Limits::of(count, bodies.len(), crowd, setting);
             let stage = Stage {
                 setting,
@@ -158,13 +145,17 @@ impl Contact {
                 list: &mut *list,
             };
             let numbers = first..first + stripes.list.len();
-            let past = Past { now, stripes: numbers, start, lasts, later: Vec::new() };
+            let past = Past { now, stripes: numbers, start: layout.start(first), lasts, later: Vec::new() };
             work(Work { stage, layout, stripes, homes, crossing, turns, past, struck: Vec::new() });
             list[0].tally.add(&tally);
             list[0].queue = queue;
-            legs[known..].iter_mut().for_each(|leg| leg.body += start as u32);
             list[0].legs = legs;
         });
+        for (number, stripe) in near.stripes.iter_mut().enumerate() {
+            let start = layout.start(number) as u32;
+            let legs = stripe.legs.drain(..).map(|leg| Leg { body: start + leg.body, ..leg });
+            course.legs.list.extend(legs);
+        }
     }
 }
 

@@ -30,6 +30,14 @@ pub(super) fn reaches_wall(setting: &Setting, body: &Body) -> Option<f64> {
     }
 }
 
+impl Setting {
+    /// The place in the walls that is nearest to this one of a ball.
+    #[inline]
+    pub(super) fn within_walls(&self, place: DVec2, radius: f64) -> DVec2 {
+        place.min(self.size - radius).max(DVec2::splat(radius))
+    }
+}
+
 /// What walls did to a ball in a substep.
 pub(super) struct Met {
     /// When it bounced again for the last time, s after the substep's beginning; what foresaw it knows of the first.
@@ -43,7 +51,8 @@ pub(super) struct Met {
 }
 
 impl Met {
-    const NOTHING: Self = Self { time: 0.0, shifts: false, first: [f64::INFINITY; 2], again: false };
+    pub(super) const NOTHING: Self =
+        Self { time: 0.0, shifts: false, first: [f64::INFINITY; 2], again: false };
 }
 
 /// Bounces a ball of this inverse mass off the walls that it meets in this substep after `since`, when it was last hit.
