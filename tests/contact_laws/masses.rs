@@ -24,6 +24,42 @@ fn a_ball_heavier_than_the_pile_that_it_lies_on_does_not_sink_in() {
     assert!(overlap(&simulation) < 0.1, "{}", overlap(&simulation));
 }
 
+/// Through ones of a thousandth of its density: it took a quarter of a minute, or stayed on them.
+#[test]
+fn a_heavy_ball_sinks_through_light_ones_to_the_floor() {
+    for seed in [1, 2] {
+        let fill = format!("count = 300\nradius = [4, 6]\nmass = 1\nrestitution = 0.5\nseed = {seed}\n");
+        let text = format!(
+            "size = [200, 400]\ngravity = [0, 980]\n[walls]\nrestitution = 0.5\n[pairs]\n[[fill]]\n{fill}"
+        );
+        let bed = Scene::parse("bed", &text).unwrap().with_solver(Solver::Contact);
+        let mut simulation = bed.build().unwrap();
+        simulation.advance(5.0).unwrap();
+        let heavy = ball(100.0, 180.0, 18.0).with_mass(1.3e4).unwrap().with_restitution(0.5).unwrap();
+        simulation.add(&[heavy]).unwrap();
+        let at_floor = (0..480).any(|_| {
+            simulation.advance(FRAME).is_ok() && simulation.balls()[300].position().y > 400.0 - 18.0 - 3.0
+        });
+        assert!(at_floor, "seed {seed}: {}", simulation.balls()[300].position());
+    }
+}
+
+/// They ended up in one place, by twos, squeezed by what they could not push aside.
+#[test]
+fn light_balls_among_large_and_heavy_ones_do_not_end_up_in_each_other() {
+    let fill = |count: u32, radius: u32, mass: f64, seed: u32| {
+        format!(
+            "[[fill]]\ncount = {count}\nradius = {radius}\nmass = {mass}\nrestitution = 0.7\nseed = {seed}\n"
+        )
+    };
+    let (heavy, light) = (fill(60, 9, 1e4, 1), fill(500, 5, 1.0, 101));
+    let world =
+        "solver = \"contact\"\nsize = [400, 300]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n";
+    let mut pile = Scene::parse("mixed", &format!("{world}{heavy}{light}")).unwrap().build().unwrap();
+    (0..1500).for_each(|_| pile.advance(FRAME).unwrap());
+    assert!(overlap(&pile) < 0.05, "{}", overlap(&pile));
+}
+
 /// They lay in each other, and rattled for ever: what light ones pass on from one heavy ball to another is found in steps of
 /// their own mass.
 #[test]

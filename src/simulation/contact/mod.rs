@@ -275,6 +275,8 @@ impl Contact {
         if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
         }
+        let differ = self.near.as_ref().is_some_and(|near| near.weights.differ);
+        self.setting.softness = self.substeps.softness(differ);
     }
 
     /// Goes on to the end of the substep that this step is in, while nothing moves.

@@ -64,6 +64,10 @@ pub(super) struct Substeps {
     calm: u32,
 }
 
+/// Where masses differ, contacts give way by so much less: a light ball that carries a heavy one carries many times its own
+/// weight, and what it would give way by each substep, would be taken from the heavy one (`Pass::CARRY`), which then never came through.
+const STIFFER: f64 = 0.1;
+
 /// How contacts give way in a substep.
 ///
 /// They are springs that are damped more than enough: a pair that carries the weight of N balls of its own mass overlaps by
@@ -79,13 +83,14 @@ pub(super) struct Softness {
 }
 
 impl Softness {
-    /// That which suits so many substeps in a beat.
-    fn of(count: u32) -> Self {
+    /// That which suits so many substeps in a beat, of balls whose masses differ or do not.
+    fn of(count: u32, differ: bool) -> Self {
         let (mended, soft) = match count {
             ..=FEWEST => (0.8, 0.004),
             3 => (0.6, 0.006),
             MOST.. => (0.3, 0.006),
         };
+        let soft = if differ { STIFFER * soft } else { soft };
         Self { mended, yielding: 1.0 / (1.0 + soft), yielding_of_few: 1.0 / (1.0 + 0.25 * soft) }
     }
 }
@@ -115,6 +120,11 @@ impl Substeps {
             Some(times) if varies(balls, gravity) => [FEWEST, MOST].map(|count| BEATS * times * count),
             _ => [self.per_second(); 2],
         }
+    }
+
+    /// How contacts give way in it, of balls whose masses differ or do not.
+    pub(super) fn softness(&self, differ: bool) -> Softness {
+        Softness::of(self.count, differ)
     }
 
     /// How long a substep takes.
@@ -168,7 +178,7 @@ impl Setting {
             mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
             // Without gravity there is no chatter to be left out.
             rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
-            softness: Softness::of(MOST),
+            softness: Softness::of(MOST, false),
         };
         setting.with_length(substeps)
     }
@@ -177,7 +187,7 @@ impl Setting {
     fn with_length(self, substeps: &Substeps) -> Self {
         let substep = substeps.seconds();
         let kick = self.gravity * substep;
-        let softness = Softness::of(substeps.count);
+        let softness = Softness::of(substeps.count, false);
         Self { substep, kick, firm: FIRM * kick.length(), softness, ..self }
     }
 }

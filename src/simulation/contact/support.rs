@@ -29,6 +29,11 @@ const INNER: u32 = 3;
 const ROUNDS: u32 = 3;
 /// The same among few balls, where a crash is followed to its end.
 const ROUNDS_OF_FEW: u32 = 32;
+/// The same where masses differ, so that heavy balls come through light ones, and light ones come to rest beside heavy ones:
+/// with 50, more of them are squeezed out with speed from nowhere ...
+const ROUNDS_OF_MIXED: u32 = 16;
+/// ... but no more than these pairs are held in all, in more than [`ROUNDS`], so that thousands stay in real time.
+const PAIRS_OF_MIXED: usize = 100_000;
 /// Where impacts shifted more than one in so many balls, they are held apart once more after they were stopped.
 const MANY: usize = 64;
 /// Sweeps have settled where none of their changes moves a ball by more than this part of its radius in the substep.
@@ -49,6 +54,10 @@ impl Contact {
             _ if few => (ROUNDS_OF_FEW, SETTLED_OF_FEW, yielding),
             // As many as few balls may have: the others fly, or sleep.
             Some(near) if near.touched <= 3 * FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, yielding_of_few),
+            Some(near) if near.weights.differ => {
+                let affordable = (PAIRS_OF_MIXED / near.touched.max(1)) as u32;
+                (affordable.clamp(ROUNDS, ROUNDS_OF_MIXED), SETTLED_OF_FEW, yielding)
+            }
             _ => (ROUNDS, SETTLED, yielding),
         };
         let most = settled / self.setting.substep;

@@ -34,9 +34,10 @@ impl Pass<'_> {
 }
 
 impl Contact {
-    /// Forgets what held the balls that it has thrown.
+    /// Forgets what held the balls that it has thrown, and takes away what speed that gave them beyond this.
     pub(super) fn let_go_of_thrown(&mut self) {
-        let Self { bodies, near: Some(near), .. } = self else { return };
+        let Self { setting, bodies, near: Some(near), .. } = self else { return };
+        let most = THROWN * setting.kick.length();
         let layout = near.layout;
         if near.stripes.iter().all(|stripe| stripe.thrown.is_empty()) {
             return;
@@ -45,8 +46,10 @@ impl Contact {
         for number in layout.numbers(Layer::Own) {
             while let Some(body) = near.stripes[number].thrown.pop() {
                 let at = layout.start(number) + body as usize;
+                let Body { free, velocity, .. } = bodies[at];
                 near.all().let_go_of(at, bodies);
-                bodies[at].free = bodies[at].velocity;
+                let velocity = velocity.clamp_length_max(free.length().max(most));
+                (bodies[at].velocity, bodies[at].free) = (velocity, velocity);
             }
         }
     }
