@@ -307,7 +307,7 @@ impl Simulation {
         let Some(ball) = self.balls.get_mut(index) else { return Ok(()) };
         *ball = ball.with_position(position)?;
         if self.world.walls.is_some() {
-            ball.position = within(ball, self.world.size);
+            ball.position = within(ball.position, ball.radius, self.world.size);
         }
         self.rebuild();
         Ok(())
@@ -328,7 +328,7 @@ impl Simulation {
         self.world = self.world.with_size(size)?;
         if self.world.walls.is_some() {
             for ball in self.balls.iter_mut().filter(|ball| !ball.is_fixed()) {
-                ball.position = within(ball, size);
+                ball.position = within(ball.position, ball.radius, size);
             }
         }
         self.rebuild();
@@ -356,11 +356,11 @@ impl Simulation {
     }
 }
 
-/// The place between the walls of a world of `size` that is nearest to a ball's.
-fn within(ball: &Ball, size: DVec2) -> DVec2 {
-    let radius = DVec2::splat(ball.radius);
+/// The place between the walls of a world of `size` that is nearest to this one of a ball.
+#[inline]
+fn within(place: DVec2, radius: f64, size: DVec2) -> DVec2 {
     // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
-    ball.position.min(size - radius).max(radius)
+    place.min(size - radius).max(DVec2::splat(radius))
 }
 
 #[cfg(test)]

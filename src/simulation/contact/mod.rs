@@ -54,7 +54,7 @@ use super::ball::Ball;
 use super::clock::Clock;
 use super::grid::Grid;
 use super::world::{Pairs, World};
-use super::{Advance, Frame, Part, Tally, Tuning};
+use super::{Advance, Frame, Part, Tally, Tuning, within};
 use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
@@ -275,8 +275,6 @@ impl Contact {
         if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
         }
-        let differ = self.near.as_ref().is_some_and(|near| near.weights.differ);
-        self.setting.softness = self.substeps.softness(differ);
     }
 
     /// Goes on to the end of the substep that this step is in, while nothing moves.
@@ -337,7 +335,7 @@ impl Pass<'_> {
         layers: &[Layer::Own],
         only_busy: false,
         work: &|setting, stripe, Share { bodies, homes, .. }| {
-            let Setting { substep, walls, .. } = *setting;
+            let Setting { substep, size, walls, .. } = *setting;
             for ((at, body), home) in (0..).zip(bodies.iter_mut()).zip(homes.iter()) {
                 body.position += body.velocity * substep;
                 if !home.covers(body.position) {
@@ -352,7 +350,7 @@ impl Pass<'_> {
             for beside in &stripe.beside {
                 let body = &mut bodies[beside.body as usize];
                 if body.inverse_mass > 0.0 {
-                    body.position = setting.within_walls(body.position, body.radius);
+                    body.position = within(body.position, body.radius, size);
                 }
             }
         },

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::super::Frame;
 use super::super::ball::Ball;
+use super::super::within;
 use super::find::Near;
 use super::layout::Layer;
 use super::stripes::{Stripe, of_layer};
@@ -115,7 +116,7 @@ impl Contact {
     /// A body that was hit, by nothing but impacts, on its ways between these; [`None`] where something else has moved it,
     /// too, or they are not known.
     fn seen_on_legs(&self, at: usize, start: &Start, share: f64) -> Option<(DVec2, DVec2)> {
-        let Setting { substep, kick, walls, .. } = self.setting;
+        let Setting { substep, kick, size, walls, .. } = self.setting;
         let body = &self.bodies[at];
         let (on, last) = self.course.legs.of_body(at)?;
         let end = last.place + last.velocity? * (substep - last.since);
@@ -128,7 +129,7 @@ impl Contact {
         };
         let place = place + way * (share * substep - since) + self.bend(share);
         // What is foreseen of it follows the straight way, which may come to a wall a little later.
-        let place = if walls.is_some() { self.setting.within_walls(place, body.radius) } else { place };
+        let place = if walls.is_some() { within(place, body.radius, size) } else { place };
         Some((place, way + kick * (share - 0.5)))
     }
 

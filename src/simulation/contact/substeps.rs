@@ -187,8 +187,7 @@ impl Setting {
     fn with_length(self, substeps: &Substeps) -> Self {
         let substep = substeps.seconds();
         let kick = self.gravity * substep;
-        let softness = Softness::of(substeps.count, false);
-        Self { substep, kick, firm: FIRM * kick.length(), softness, ..self }
+        Self { substep, kick, firm: FIRM * kick.length(), ..self }
     }
 }
 

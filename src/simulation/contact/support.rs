@@ -32,19 +32,21 @@ const ROUNDS_OF_FEW: u32 = 32;
 /// The same where masses differ, so that heavy balls come through light ones, and light ones come to rest beside heavy ones:
 /// with 50, more of them are squeezed out with speed from nowhere ...
 const ROUNDS_OF_MIXED: u32 = 16;
-/// ... but no more than these pairs are held in all, in more than [`ROUNDS`], so that thousands stay in real time.
+/// ... or fewer, down to [`ROUNDS`], where these would hold more than so many pairs in all: thousands stay in real time.
 const PAIRS_OF_MIXED: usize = 100_000;
 /// Where impacts shifted more than one in so many balls, they are held apart once more after they were stopped.
 const MANY: usize = 64;
 /// Sweeps have settled where none of their changes moves a ball by more than this part of its radius in the substep.
 const SETTLED: f64 = 5e-3;
-/// The same among few balls.
+/// The same among few balls, and where masses differ.
 const SETTLED_OF_FEW: f64 = 1e-3;
 
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
         let few = self.bodies.len() <= FEW;
+        let differ = self.near.as_ref().is_some_and(|near| near.weights.differ);
+        self.setting.softness = self.substeps.softness(differ);
         let Softness { yielding, yielding_of_few, .. } = self.setting.softness;
         let (rounds, settled, left) = match self.near.as_ref() {
             // Nothing presses: overlaps are only moved out of.
@@ -54,7 +56,7 @@ impl Contact {
             _ if few => (ROUNDS_OF_FEW, SETTLED_OF_FEW, yielding),
             // As many as few balls may have: the others fly, or sleep.
             Some(near) if near.touched <= 3 * FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, yielding_of_few),
-            Some(near) if near.weights.differ => {
+            Some(near) if differ => {
                 let affordable = (PAIRS_OF_MIXED / near.touched.max(1)) as u32;
                 (affordable.clamp(ROUNDS, ROUNDS_OF_MIXED), SETTLED_OF_FEW, yielding)
             }

@@ -2,7 +2,7 @@
 //!
 //! What held a ball goes on holding it in the next substep, which is right where it rests, or nearly so. Between others of
 //! many times its mass it may be given more than any rest needs: given again, that would be speed from nowhere, which
-//! impacts would pass on. Such balls are let go of, and start anew.
+//! impacts would pass on. Such balls are let go of, and start anew, no faster than they were, or than what counts as thrown.
 
 use glam::DVec2;
 
@@ -37,12 +37,12 @@ impl Contact {
     /// Forgets what held the balls that it has thrown, and takes away what speed that gave them beyond this.
     pub(super) fn let_go_of_thrown(&mut self) {
         let Self { setting, bodies, near: Some(near), .. } = self else { return };
-        let most = THROWN * setting.kick.length();
         let layout = near.layout;
         if near.stripes.iter().all(|stripe| stripe.thrown.is_empty()) {
             return;
         }
         near.link_pairs(bodies.len());
+        let most = THROWN * setting.kick.length();
         for number in layout.numbers(Layer::Own) {
             while let Some(body) = near.stripes[number].thrown.pop() {
                 let at = layout.start(number) + body as usize;

@@ -30,14 +30,6 @@ pub(super) fn reaches_wall(setting: &Setting, body: &Body) -> Option<f64> {
     }
 }
 
-impl Setting {
-    /// The place in the walls that is nearest to this one of a ball.
-    #[inline]
-    pub(super) fn within_walls(&self, place: DVec2, radius: f64) -> DVec2 {
-        place.min(self.size - radius).max(DVec2::splat(radius))
-    }
-}
-
 /// What walls did to a ball in a substep.
 pub(super) struct Met {
     /// When it bounced again for the last time, s after the substep's beginning; what foresaw it knows of the first.
