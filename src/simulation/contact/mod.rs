@@ -196,7 +196,11 @@ impl Contact {
             let presses = self.setting.kick != DVec2::ZERO;
             let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
             self.sweep(&[
-                if presses { Pass::CARRY } else { Pass::NOTHING },
+                match presses {
+                    true if self.passes_on() => Pass::CARRY_AND_PASS_ON,
+                    true => Pass::CARRY,
+                    false => Pass::NOTHING,
+                },
                 if presses && shaken { Pass::HOLD_AGAIN } else { Pass::NOTHING },
                 Pass::TRAVEL,
                 Pass::RELAX,

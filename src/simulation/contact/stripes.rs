@@ -51,8 +51,8 @@ pub(super) struct Stripe {
     /// how far away, px.
     pub(super) ways: Vec<DVec2>,
     pub(super) distances: Vec<f64>,
-    /// What carries the ball that is looked at.
-    pub(super) floors: Vec<Floor>,
+    /// What carries the ball that is looked at, and how much each adds to its velocity.
+    pub(super) floors: Vec<(Floor, f64)>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
     pub(super) disturbed: Vec<(u32, f64)>,
     /// Places of pairs that may meet in a substep.

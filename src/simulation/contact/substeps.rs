@@ -127,6 +127,11 @@ impl Substeps {
         Softness::of(self.count, differ)
     }
 
+    /// Whether they are the shortest.
+    pub(super) fn are_short(&self) -> bool {
+        self.count == MOST
+    }
+
     /// How long a substep takes.
     pub(super) fn seconds(&self) -> f64 {
         1.0 / f64::from(self.per_second())

@@ -6,7 +6,8 @@
 //! little, so that overlaps follow loads, as springs would have it (soft constraints; Catto 2011): without that, a pile
 //! of rigid balls without friction never comes to rest. What moves balls out of overlaps is no speed of theirs: it is
 //! taken away after the move. Last, each ball is stopped on what lies below it, from the ground up, so that no load, and
-//! no ratio of masses, makes anything sink. Where many were hit, they are held apart once more after that.
+//! no ratio of masses, makes anything sink; what stopped it acts on what lies below in the next substep where much moves.
+//! Where many were hit, they are held apart once more after that.
 
 use glam::DVec2;
 
@@ -34,6 +35,9 @@ const ROUNDS_OF_FEW: u32 = 32;
 const ROUNDS_OF_MIXED: u32 = 16;
 /// ... or fewer, down to [`ROUNDS`], where these would hold more than so many pairs in all: thousands stay in real time.
 const PAIRS_OF_MIXED: usize = 100_000;
+/// What stops a ball on what carries it is passed on to that in the next substep, but no more than so many kicks of gravity
+/// of it: under heavy ones, light balls would be squeezed out.
+const PASSED_ON: f64 = 2.0;
 /// Where impacts shifted more than one in so many balls, they are held apart once more after they were stopped.
 const MANY: usize = 64;
 /// Sweeps have settled where none of their changes moves a ball by more than this part of its radius in the substep.
@@ -93,6 +97,13 @@ impl Contact {
             near.touched = near.stripes.iter().map(|stripe| stripe.touching.len()).sum();
         }
     }
+
+    /// Whether what stops balls on what carries them is passed on to that. Where it is not, the part of a load that the sweeps
+    /// miss is borne by nothing, sideways, too, which holds up slopes. That is left where little moves, so that it comes to
+    /// rest; of few balls, the sweeps miss nothing.
+    pub(super) fn passes_on(&self) -> bool {
+        self.bodies.len() > FEW && self.substeps.are_short()
+    }
 }
 
 /// Takes up what holds a stripe's balls.
@@ -110,7 +121,14 @@ impl Pass<'_> {
     pub(super) const CARRY: Self = Self {
         layers: Layer::AROUND,
         only_busy: true,
-        work: &|_, stripe, share| stripe.carry_all(share.bodies),
+        work: &|setting, stripe, share| stripe.carry_all::<false>(setting, share.bodies),
+    };
+
+    /// The same, where what stops a ball acts on what carries it in the next substep.
+    pub(super) const CARRY_AND_PASS_ON: Self = Self {
+        layers: Layer::AROUND,
+        only_busy: true,
+        work: &|setting, stripe, share| stripe.carry_all::<true>(setting, share.bodies),
     };
 
     /// Holds balls apart once more where many were hit: what stopped some on what carries them has turned them against
@@ -180,9 +198,10 @@ impl Stripe {
     }
 
     /// Stops what still sinks, from the ground up.
-    fn carry_all(&mut self, bodies: &mut [Body]) {
+    fn carry_all<const PASSES_ON: bool>(&mut self, setting: &Setting, bodies: &mut [Body]) {
         let Self { holds, carrying, uppers, floors, .. } = self;
-        let (holds, carrying) = (&holds[..], &carrying[..]);
+        let (holds, carrying) = (&mut holds[..], &carrying[..]);
+        let most = PASSED_ON * setting.kick.length();
         for ends in uppers.windows(2) {
             let its = &carrying[ends[0] as usize..ends[1] as usize];
             let Some(&first) = its.first() else { continue };
@@ -191,20 +210,26 @@ impl Stripe {
                 let hold = &holds[at as usize];
                 Floor::of(hold, &bodies[hold.pair.second as usize])
             };
-            match its {
+            match *its {
                 // On one it lies as on two that are the same: that takes no branch, which a processor could not foresee.
                 [one] | [one, _] => {
-                    let both = [floor(one), floor(&its[its.len() - 1])];
-                    carry_on(&mut bodies[upper], both);
+                    let two = [one, its[its.len() - 1]];
+                    let floors = two.each_ref().map(floor);
+                    let added = carry_on(&bodies[upper], floors);
+                    stop::<PASSES_ON>(upper, holds, bodies, most, two.into_iter().zip(floors).zip(added));
                 }
                 [one, two, three] => {
-                    let all = [floor(one), floor(two), floor(three)];
-                    carry_on(&mut bodies[upper], all);
+                    let three = [one, two, three];
+                    let floors = three.each_ref().map(floor);
+                    let added = carry_on(&bodies[upper], floors);
+                    stop::<PASSES_ON>(upper, holds, bodies, most, three.into_iter().zip(floors).zip(added));
                 }
                 _ => {
                     floors.clear();
-                    floors.extend(its.iter().map(floor));
-                    carry(&mut bodies[upper], floors);
+                    floors.extend(its.iter().map(|at| (floor(at), 0.0)));
+                    carry(&bodies[upper], floors);
+                    let by = its.iter().zip(&*floors).map(|(&at, &(floor, added))| ((at, floor), added));
+                    stop::<PASSES_ON>(upper, holds, bodies, most, by);
                 }
             }
         }
@@ -278,21 +303,22 @@ impl Floor {
     }
 }
 
-/// Stops what still sinks on what carries it, as if that were as firm as the ground (shock propagation; Guendelman,
-/// Bridson & Fedkiw 2003). It only ever slows a ball down.
-fn carry(body: &mut Body, floors: &[Floor]) {
+/// Finds how much what carries a ball that still sinks adds to its velocity, so that it stops there as if on firm ground
+/// (shock propagation; Guendelman, Bridson & Fedkiw 2003). It only ever slows a ball down.
+fn carry(body: &Body, floors: &mut [(Floor, f64)]) {
     let mut velocity = body.velocity;
     for _ in 0..INNER {
-        for floor in floors {
-            velocity += floor.up * (floor.least - velocity.dot(floor.up)).max(0.0);
+        for (floor, added) in &mut *floors {
+            let more = (floor.least - velocity.dot(floor.up)).max(0.0);
+            *added += more;
+            velocity += floor.up * more;
         }
     }
-    body.stop_at(velocity);
 }
 
 /// The same on few. What each adds is a number then, and so is what that changes for the others.
 #[inline]
-fn carry_on<const FLOORS: usize>(body: &mut Body, floors: [Floor; FLOORS]) {
+fn carry_on<const FLOORS: usize>(body: &Body, floors: [Floor; FLOORS]) -> [f64; FLOORS] {
     let shared = floors.map(|one| floors.map(|other| one.up.dot(other.up)));
     // How much too fast it goes down on each, and how much each has added.
     let mut lacking = floors.map(|floor| floor.least - body.velocity.dot(floor.up));
@@ -306,19 +332,37 @@ fn carry_on<const FLOORS: usize>(body: &mut Body, floors: [Floor; FLOORS]) {
             }
         }
     }
-    let more: DVec2 = floors.iter().zip(added).map(|(floor, added)| floor.up * added).sum();
-    body.stop_at(body.velocity + more);
+    added
 }
 
-impl Body {
-    /// Gives it the velocity that the ground below it leaves it.
-    #[inline]
-    fn stop_at(&mut self, velocity: DVec2) {
-        if self.inverse_mass > 0.0 {
-            self.free += velocity - self.velocity;
-            self.velocity = velocity;
-        }
+/// Stops a ball by what the floor of each hold adds to its velocity. Where that is passed on, it holds the ball in the next
+/// substep, too, and its opposite then acts on what carries it: up to `most`, px/s, of balls as heavy as each other.
+#[inline]
+fn stop<const PASSES_ON: bool>(
+    upper: usize,
+    holds: &mut [Hold],
+    bodies: &mut [Body],
+    most: f64,
+    by: impl IntoIterator<Item = ((u32, Floor), f64)>,
+) {
+    let mut body = bodies[upper];
+    if body.inverse_mass == 0.0 {
+        return;
     }
+    for ((at, Floor { up, .. }), added) in by {
+        let mut lost = added;
+        if PASSES_ON {
+            let hold = &mut holds[at as usize];
+            let impulse = lesser(added / body.inverse_mass, 2.0 * most * hold.mass);
+            let lower = &mut bodies[hold.pair.second as usize];
+            hold.impulse += impulse;
+            lower.free += up * (impulse * lower.inverse_mass);
+            lost -= impulse * body.inverse_mass;
+        }
+        body.velocity += up * added;
+        body.free += up * lost;
+    }
+    bodies[upper] = body;
 }
 
 /// Takes a part of the speed away with which two balls that press on each other slide along each other, where that is
@@ -394,23 +438,20 @@ mod tests {
                 |k| Floor { up: DVec2::from_angle(angle(k)), least: -20.0 * angle(k + 3).sin().abs() };
             let floors = [floor(1), floor(2), floor(3)];
             let on_many = |floors: &[Floor]| {
-                let mut body = body;
-                carry(&mut body, floors);
-                body
+                let mut floors: Vec<_> = floors.iter().map(|&floor| (floor, 0.0)).collect();
+                carry(&body, &mut floors);
+                floors.into_iter().map(|(floor, added)| floor.up * added).sum::<DVec2>()
             };
-            let on_few = [0, 1, 2].map(|few| {
-                let mut body = body;
-                match few {
-                    0 => carry_on(&mut body, [floors[0]; 2]),
-                    1 => carry_on(&mut body, [floors[0], floors[1]]),
-                    _ => carry_on(&mut body, floors),
-                }
-                body
-            });
-            for (few, body) in on_few.iter().enumerate() {
-                let many = on_many(&floors[..=few]);
-                assert!(body.velocity.abs_diff_eq(many.velocity, 1e-9), "turn {turn}, {} floors", few + 1);
-                assert!(body.free.abs_diff_eq(many.free, 1e-9), "turn {turn}, {} floors", few + 1);
+            let on_few = |few: &[Floor], added: &[f64]| {
+                few.iter().zip(added).map(|(floor, &added)| floor.up * added).sum::<DVec2>()
+            };
+            let [one, two, _] = floors;
+            for (few, many) in [
+                (on_few(&[one, one], &carry_on(&body, [one, one])), on_many(&[one])),
+                (on_few(&[one, two], &carry_on(&body, [one, two])), on_many(&[one, two])),
+                (on_few(&floors, &carry_on(&body, floors)), on_many(&floors)),
+            ] {
+                assert!(few.abs_diff_eq(many, 1e-9), "turn {turn}: {few} and {many}");
             }
         }
     }

@@ -21,7 +21,7 @@ use super::{Body, Setting};
 /// Pairs farther apart than this part of their radii, and not closing in, are left out of a substep.
 const APART: f64 = 0.01;
 /// The part of what was given along earlier directions that is let go in a substep.
-const LOOSENED: f64 = 0.02;
+const LOOSENED: f64 = 0.05;
 /// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
 const STEADY: f64 = 0.03;
 
