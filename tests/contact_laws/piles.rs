@@ -114,16 +114,16 @@ fn collapsing_slab(count: u32, seed: u64) -> Simulation {
 /// nothing, held up nine.
 #[test]
 fn a_slab_that_collapses_in_a_wide_box_comes_to_rest_nearly_level() {
-    let steep = [1, 2].map(|seed| {
+    let steep = [1, 2, 3, 4].map(|seed| {
         let mut slab = collapsing_slab(1200, seed);
         slab.advance(15.0).unwrap();
         let middle = 0.5 * slab.world().size().x;
         let left = slab.balls().iter().filter(|ball| ball.position().x < middle).count();
         left as f64 / (1200 - left) as f64
     });
-    // Measured: 1.47, with `exact` 1.1; 1.8 before.
-    let mean = 0.5 * (steep[0] + steep[1]);
-    assert!(mean < 1.55, "{steep:?} times as many balls in the left half as in the right");
+    // Measured: 1.50 (1.46 to 1.54), with `exact` 1.1; 1.8 before.
+    let mean = 0.25 * steep.iter().sum::<f64>();
+    assert!(mean < 1.62, "{steep:?} times as many balls in the left half as in the right");
 }
 
 #[test]

@@ -47,7 +47,7 @@ pub(super) struct Loads {
 struct Passed {
     upper: usize,
     to: Holder,
-    /// mass·px/s
+    /// mass·px/s: less than none where it takes back a part of what it did.
     impulse: f64,
 }
 
@@ -119,7 +119,9 @@ impl Resting<'_> {
         for _ in 0..ROUNDS {
             let before = moves;
             for Passed { to, impulse, .. } in &mut below {
-                let push = (-moves.dot(to.normal)).max(0.0);
+                // Never a pull. What found no rest before may be hit in every other substep, and be held too much in this one.
+                let least = if rests[at].restless > 0 { -(to.impulse + *impulse) } else { 0.0 };
+                let push = (-moves.dot(to.normal)).max(least);
                 *impulse += push;
                 moves += to.normal * push;
             }
@@ -137,7 +139,7 @@ impl Resting<'_> {
         if !loads.bears[at] {
             return;
         }
-        below.retain(|passed| passed.impulse > 0.0);
+        below.retain(|passed| passed.impulse != 0.0);
         for Passed { to, impulse, .. } in &below {
             left[to.other] -= to.normal * *impulse;
         }

@@ -95,6 +95,8 @@ struct Setting {
     rest_speed: f64,
     /// How contacts give way.
     softness: Softness,
+    /// Whether masses differ by more than sizes do (`weights`).
+    mixed: bool,
 }
 
 /// The solver.

@@ -51,7 +51,7 @@ pub(super) struct Rest {
     /// Where it was a substep before its rest is looked at, and whether it was hit then.
     last: (DVec2, bool),
     /// How often its rest was looked at, and it had none, since it last slept, or woke those that hold it.
-    restless: u32,
+    pub(super) restless: u32,
 }
 
 impl Rest {
@@ -113,7 +113,7 @@ impl Contact {
     fn put_to_sleep(&mut self, window: u64) {
         let team = self.team.clone();
         self.find_held(&team);
-        self.release_deep();
+        let deep = self.find_deep();
         let drift = self.drift(window);
         let Self { setting, bodies, rests, near: Some(near), held, course, .. } = self else { return };
         let step = setting.kick.length() * setting.substep;
@@ -125,8 +125,9 @@ impl Contact {
                 || (body.position.distance_squared(last) < step * step && (was_hit || !course.was_hit(at)));
             slow && !rest.swung && body.position.distance_squared(rest.anchor) < drift * drift
         };
+        let looked_at = bodies.iter().zip(&*rests).enumerate();
         let still: Vec<bool> =
-            bodies.iter().zip(&*rests).enumerate().map(|(at, (body, rest))| still(at, body, rest)).collect();
+            looked_at.map(|(at, (body, rest))| !deep[at] && still(at, body, rest)).collect();
         near.link_pairs(bodies.len());
         let loads = Resting { setting, bodies, rests, held, stripes: near.all() }.loads(&still);
         for (at, (body, rest)) in bodies.iter_mut().zip(&mut *rests).enumerate() {
@@ -162,16 +163,18 @@ impl Contact {
         self.wake_unbalanced();
     }
 
-    /// Counts bodies that overlap others deeply as not held.
-    fn release_deep(&mut self) {
-        let Self { bodies, near: Some(near), held, .. } = self else { return };
+    /// Which bodies overlap others deeply.
+    fn find_deep(&self) -> Vec<bool> {
+        let mut deep = vec![false; self.bodies.len()];
+        let Self { bodies, near: Some(near), .. } = self else { return deep };
         for (i, j) in near.pairs() {
             let (first, second) = (&bodies[i], &bodies[j]);
             let reach = first.radius + second.radius - DEEP * first.radius.min(second.radius);
             if first.position.distance_squared(second.position) < reach * reach {
-                (held[i], held[j]) = (false, false);
+                (deep[i], deep[j]) = (true, true);
             }
         }
+        deep
     }
 
     /// Wakes those that hold a ball which has not come to rest for long: between balls that do not give way
@@ -316,6 +319,17 @@ mod tests {
             assert_eq!([0, 1].map(|at| contact.rests[at].asleep), [true, false], "{count} substeps");
             go(&mut contact, 2 * window);
             assert!(contact.all_asleep);
+        }
+    }
+
+    #[test]
+    fn what_lies_on_the_floor_and_deep_in_another_does_not_fall_asleep() {
+        for (overlap, asleep) in [(0.1, true), (2.0, false)] {
+            let mut contact = lying(4);
+            go(&mut contact, 357);
+            contact.bodies[1].position.x = contact.bodies[0].position.x + 20.0 - overlap;
+            go(&mut contact, 360);
+            assert_eq!(contact.rests[0].asleep, asleep, "{overlap}");
         }
     }
 }

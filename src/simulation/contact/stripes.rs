@@ -204,6 +204,8 @@ pub(super) struct Holder {
     pub(super) other: usize,
     /// The direction in which it pushes.
     pub(super) normal: DVec2,
+    /// What it gives in a substep, mass·px/s.
+    pub(super) impulse: f64,
 }
 
 /// All stripes, those of a block, or one by itself.
@@ -249,7 +251,7 @@ impl Stripes<'_> {
                 let (pair, normal) = (hold.pair.from(start), hold.normal);
                 let (first, second) = (pair.first as usize, pair.second as usize);
                 let (other, normal) = if first == body { (second, normal) } else { (first, -normal) };
-                Holder { number, at, other, normal }
+                Holder { number, at, other, normal, impulse: hold.impulse }
             })
         })
     }

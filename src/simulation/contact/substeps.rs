@@ -184,6 +184,7 @@ impl Setting {
             // Without gravity there is no chatter to be left out.
             rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
             softness: Softness::of(MOST, false),
+            mixed: false,
         };
         setting.with_length(substeps)
     }

@@ -50,7 +50,7 @@ impl Contact {
     pub(super) fn support(&mut self) {
         let few = self.bodies.len() <= FEW;
         let differ = self.near.as_ref().is_some_and(|near| near.weights.differ);
-        self.setting.softness = self.substeps.softness(differ);
+        (self.setting.softness, self.setting.mixed) = (self.substeps.softness(differ), differ);
         let Softness { yielding, yielding_of_few, .. } = self.setting.softness;
         let (rounds, settled, left) = match self.near.as_ref() {
             // Nothing presses: overlaps are only moved out of.

@@ -2,10 +2,12 @@
 //!
 //! What held a ball goes on holding it in the next substep, which is right where it rests, or nearly so. Between others of
 //! many times its mass it may be given more than any rest needs: given again, that would be speed from nowhere, which
-//! impacts would pass on. Such balls are let go of, and start anew, no faster than they were, or than what counts as thrown.
+//! impacts would pass on. So would what drives a ball against another, off which it bounces back to where it is held: both
+//! would go on for ever. Such balls are let go of, and start anew, no faster than they were, or than what counts as thrown.
 
 use glam::DVec2;
 
+use super::fates::{Fate, Shift};
 use super::layout::Layer;
 use super::stripes::Stripes;
 use super::support::two;
@@ -15,6 +17,9 @@ use super::{Body, Contact};
 
 /// A ball is thrown by what changes its velocity in a substep by more than so many kicks of gravity.
 pub(super) const THROWN: f64 = 100.0;
+/// The same where another hit it in that substep, of balls of one material: what holds light ones between heavy ones is many
+/// times their weight. With fewer, balls sink into each other in crashes.
+const DRIVEN: f64 = 25.0;
 
 impl Pass<'_> {
     /// Finds the balls that what held them has thrown.
@@ -25,10 +30,13 @@ impl Pass<'_> {
             if setting.kick == DVec2::ZERO {
                 return;
             }
-            let most = THROWN * THROWN * setting.kick.length_squared();
-            let thrown = |body: &Body| (body.velocity - body.free).length_squared() > most;
-            let bodies = (0..).zip(share.bodies.iter());
-            stripe.thrown.extend(bodies.filter(|(_, body)| thrown(body)).map(|(at, _)| at));
+            let [thrown, driven] = [THROWN, DRIVEN].map(|kicks| (kicks * setting.kick).length_squared());
+            let is_thrown = |(body, fate): (&Body, &Fate)| {
+                let most = if fate.shift == Shift::None || setting.mixed { thrown } else { driven };
+                (body.velocity - body.free).length_squared() > most
+            };
+            let bodies = (0..).zip(share.bodies.iter().zip(share.fates.iter()));
+            stripe.thrown.extend(bodies.filter(|&(_, its)| is_thrown(its)).map(|(at, _)| at));
         },
     };
 }
