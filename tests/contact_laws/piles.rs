@@ -110,8 +110,8 @@ fn collapsing_slab(count: u32, seed: u64) -> Simulation {
     simulation(*wide.world(), slab.balls().to_vec())
 }
 
-/// Spheres without friction hold slopes of 5.8 degrees (Peyneau & Roux 2008). What stopped balls on each other, and acted on
-/// nothing, held up nine.
+/// From its crest to its lowest place: at some six degrees; packs of spheres without friction hold 5.8 (Peyneau & Roux 2008).
+/// What stopped balls on each other, and acted on nothing, held up nine.
 #[test]
 fn a_slab_that_collapses_in_a_wide_box_comes_to_rest_nearly_level() {
     let steep = [1, 2, 3, 4].map(|seed| {

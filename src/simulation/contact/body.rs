@@ -12,7 +12,7 @@ pub(super) struct Body {
     pub(super) position: DVec2,
     /// Its velocity through the substep, px/s: the mean of those at the substep's ends.
     pub(super) velocity: DVec2,
-    /// What that would be without the forces that hold it in this substep.
+    /// What that would be without the forces that hold it: the difference acts in the next substep, too.
     pub(super) free: DVec2,
     /// What it counts with where it is held (`weights`); 0 where nothing moves it.
     pub(super) inverse_mass: f64,

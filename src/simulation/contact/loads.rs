@@ -1,9 +1,9 @@
 //! Where the loads of balls at rest go: down to what carries them, and on to the ground.
 //!
-//! A substep stops each ball on what carries it as if that were the ground (`support`), and tells what carries it nothing
-//! of the load: where masses are unequal, impulses alone would take thousands of substeps to find it. Balls that are to
-//! sleep on each other are given the impulses that they rest on here, from the top down. They are in balance with them,
-//! and stay so as long as nothing changes.
+//! A substep stops each ball on what carries it as if that were the ground (`support`), and tells what carries it little of
+//! the load, or nothing: where masses are unequal, impulses alone would take thousands of substeps to find it. Balls that
+//! are to sleep on each other are given the impulses that they rest on here, from the top down. They are in balance with
+//! them, and stay so as long as nothing changes.
 
 use glam::DVec2;
 
@@ -190,7 +190,7 @@ impl Near {
             if stripe.marks[*at].has(Marks::IDLE)
                 && let Some(hold) = stripe.hold_mut(*at)
             {
-                hold.impulse += impulse;
+                hold.impulse = (hold.impulse + impulse).max(0.0);
             }
         }
         for &(at, push) in loads.by_walls.iter().filter(|&&(at, _)| rests[at].asleep) {

@@ -95,8 +95,8 @@ struct Setting {
     rest_speed: f64,
     /// How contacts give way.
     softness: Softness,
-    /// Whether masses differ by more than sizes do (`weights`).
-    mixed: bool,
+    /// Whether balls that press may not all be of one material or mass (`weights`).
+    differ: bool,
 }
 
 /// The solver.
@@ -198,10 +198,12 @@ impl Contact {
             let presses = self.setting.kick != DVec2::ZERO;
             let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
             self.sweep(&[
-                match presses {
-                    true if self.passes_on() => Pass::CARRY_AND_PASS_ON,
-                    true => Pass::CARRY,
-                    false => Pass::NOTHING,
+                if !presses {
+                    Pass::NOTHING
+                } else if self.passes_on() {
+                    Pass::CARRY_AND_PASS_ON
+                } else {
+                    Pass::CARRY
                 },
                 if presses && shaken { Pass::HOLD_AGAIN } else { Pass::NOTHING },
                 Pass::TRAVEL,

@@ -65,7 +65,8 @@ pub(super) struct Substeps {
 }
 
 /// Where masses differ, contacts give way by so much less: a light ball that carries a heavy one carries many times its own
-/// weight, and what it would give way by each substep, would be taken from the heavy one (`Pass::CARRY`), which then never came through.
+/// weight, and what it would give way by each substep, would be taken from the heavy one (`Stripe::carry_all`), which then
+/// never came through.
 const STIFFER: f64 = 0.1;
 
 /// How contacts give way in a substep.
@@ -184,7 +185,7 @@ impl Setting {
             // Without gravity there is no chatter to be left out.
             rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
             softness: Softness::of(MOST, false),
-            mixed: false,
+            differ: false,
         };
         setting.with_length(substeps)
     }

@@ -6,8 +6,8 @@
 //! little, so that overlaps follow loads, as springs would have it (soft constraints; Catto 2011): without that, a pile
 //! of rigid balls without friction never comes to rest. What moves balls out of overlaps is no speed of theirs: it is
 //! taken away after the move. Last, each ball is stopped on what lies below it, from the ground up, so that no load, and
-//! no ratio of masses, makes anything sink; what stopped it acts on what lies below in the next substep where much moves.
-//! Where many were hit, they are held apart once more after that.
+//! no ratio of masses, makes anything sink; where substeps are the shortest, what stopped it acts on what lies below in
+//! the next. Where many were hit, they are held apart once more after that.
 
 use glam::DVec2;
 
@@ -35,8 +35,9 @@ const ROUNDS_OF_FEW: u32 = 32;
 const ROUNDS_OF_MIXED: u32 = 16;
 /// ... or fewer, down to [`ROUNDS`], where these would hold more than so many pairs in all: thousands stay in real time.
 const PAIRS_OF_MIXED: usize = 100_000;
-/// What stops a ball on what carries it is passed on to that in the next substep, but no more than so many kicks of gravity
-/// of it: under heavy ones, light balls would be squeezed out.
+/// What stops a ball on what carries it is passed on to that in the next substep, but by each of their pairs, each time
+/// that it is looked at, no more than so many kicks of gravity of twice their effective mass: under heavy ones, light balls
+/// would be squeezed out.
 const PASSED_ON: f64 = 2.0;
 /// Where impacts shifted more than one in so many balls, they are held apart once more after they were stopped.
 const MANY: usize = 64;
@@ -50,7 +51,7 @@ impl Contact {
     pub(super) fn support(&mut self) {
         let few = self.bodies.len() <= FEW;
         let differ = self.near.as_ref().is_some_and(|near| near.weights.differ);
-        (self.setting.softness, self.setting.mixed) = (self.substeps.softness(differ), differ);
+        (self.setting.softness, self.setting.differ) = (self.substeps.softness(differ), differ);
         let Softness { yielding, yielding_of_few, .. } = self.setting.softness;
         let (rounds, settled, left) = match self.near.as_ref() {
             // Nothing presses: overlaps are only moved out of.
@@ -99,8 +100,8 @@ impl Contact {
     }
 
     /// Whether what stops balls on what carries them is passed on to that. Where it is not, the part of a load that the sweeps
-    /// miss is borne by nothing, sideways, too, which holds up slopes. That is left where little moves, so that it comes to
-    /// rest; of few balls, the sweeps miss nothing.
+    /// miss is borne by nothing, sideways, too, which holds up slopes. That is left so in longer substeps, where little moves:
+    /// it comes to rest. Where all balls are few, the sweeps miss nothing.
     pub(super) fn passes_on(&self) -> bool {
         self.bodies.len() > FEW && self.substeps.are_short()
     }
@@ -213,16 +214,16 @@ impl Stripe {
             match *its {
                 // On one it lies as on two that are the same: that takes no branch, which a processor could not foresee.
                 [one] | [one, _] => {
-                    let two = [one, its[its.len() - 1]];
-                    let floors = two.each_ref().map(floor);
+                    let its = [one, its[its.len() - 1]];
+                    let floors = its.each_ref().map(floor);
                     let added = carry_on(&bodies[upper], floors);
-                    stop::<PASSES_ON>(upper, holds, bodies, most, two.into_iter().zip(floors).zip(added));
+                    stop::<PASSES_ON>(upper, holds, bodies, most, its.into_iter().zip(floors).zip(added));
                 }
                 [one, two, three] => {
-                    let three = [one, two, three];
-                    let floors = three.each_ref().map(floor);
+                    let its = [one, two, three];
+                    let floors = its.each_ref().map(floor);
                     let added = carry_on(&bodies[upper], floors);
-                    stop::<PASSES_ON>(upper, holds, bodies, most, three.into_iter().zip(floors).zip(added));
+                    stop::<PASSES_ON>(upper, holds, bodies, most, its.into_iter().zip(floors).zip(added));
                 }
                 _ => {
                     floors.clear();
@@ -336,7 +337,7 @@ fn carry_on<const FLOORS: usize>(body: &Body, floors: [Floor; FLOORS]) -> [f64; 
 }
 
 /// Stops a ball by what the floor of each hold adds to its velocity. Where that is passed on, it holds the ball in the next
-/// substep, too, and its opposite then acts on what carries it: up to `most`, px/s, of balls as heavy as each other.
+/// substep, too, and its opposite then acts on what carries it: up to `most`, px/s, between balls as heavy as each other.
 #[inline]
 fn stop<const PASSES_ON: bool>(
     upper: usize,
@@ -350,17 +351,17 @@ fn stop<const PASSES_ON: bool>(
         return;
     }
     for ((at, Floor { up, .. }), added) in by {
-        let mut lost = added;
+        let mut kept = added;
         if PASSES_ON {
             let hold = &mut holds[at as usize];
             let impulse = lesser(added / body.inverse_mass, 2.0 * most * hold.mass);
             let lower = &mut bodies[hold.pair.second as usize];
             hold.impulse += impulse;
             lower.free += up * (impulse * lower.inverse_mass);
-            lost -= impulse * body.inverse_mass;
+            kept -= impulse * body.inverse_mass;
         }
         body.velocity += up * added;
-        body.free += up * lost;
+        body.free += up * kept;
     }
     bodies[upper] = body;
 }

@@ -308,7 +308,7 @@ fn direction(offset: DVec2, length: f64) -> DVec2 {
 impl Hold {
     /// Turns it into another direction. By how much that changes what it gives the first ball, mass·px/s.
     ///
-    /// What was given along the old one turns into the new one within a few substeps, as if the balls gripped each
+    /// What was given along the old one turns into the new one within some twenty substeps, as if the balls gripped each
     /// other a little: that works against the motion that turns it, and lets piles come to rest. Where the direction
     /// turns by more in a substep, or nothing presses any more, nothing is left of it.
     #[inline]

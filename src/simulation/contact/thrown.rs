@@ -13,12 +13,12 @@ use super::stripes::Stripes;
 use super::support::two;
 use super::sweep::Pass;
 use super::take_up::let_go;
-use super::{Body, Contact};
+use super::{Body, Contact, Setting};
 
 /// A ball is thrown by what changes its velocity in a substep by more than so many kicks of gravity.
 pub(super) const THROWN: f64 = 100.0;
-/// The same where another hit it in that substep, of balls of one material: what holds light ones between heavy ones is many
-/// times their weight. With fewer, balls sink into each other in crashes.
+/// The same where an impact shifted it in that substep, of balls alike: what holds light ones between heavy ones is many times
+/// their weight. With fewer, balls sink into each other in crashes.
 const DRIVEN: f64 = 25.0;
 
 impl Pass<'_> {
@@ -30,10 +30,9 @@ impl Pass<'_> {
             if setting.kick == DVec2::ZERO {
                 return;
             }
-            let [thrown, driven] = [THROWN, DRIVEN].map(|kicks| (kicks * setting.kick).length_squared());
             let is_thrown = |(body, fate): (&Body, &Fate)| {
-                let most = if fate.shift == Shift::None || setting.mixed { thrown } else { driven };
-                (body.velocity - body.free).length_squared() > most
+                let most = setting.most_held(fate);
+                (body.velocity - body.free).length_squared() > most * most
             };
             let bodies = (0..).zip(share.bodies.iter().zip(share.fates.iter()));
             stripe.thrown.extend(bodies.filter(|&(_, its)| is_thrown(its)).map(|(at, _)| at));
@@ -41,22 +40,31 @@ impl Pass<'_> {
     };
 }
 
+impl Setting {
+    /// By how much what holds a ball may change its velocity in a substep, px/s: else it is thrown.
+    #[inline]
+    fn most_held(&self, fate: &Fate) -> f64 {
+        let kicks = if fate.shift == Shift::None || self.differ { THROWN } else { DRIVEN };
+        kicks * self.kick.length()
+    }
+}
+
 impl Contact {
     /// Forgets what held the balls that it has thrown, and takes away what speed that gave them beyond this.
     pub(super) fn let_go_of_thrown(&mut self) {
-        let Self { setting, bodies, near: Some(near), .. } = self else { return };
+        let Self { setting, bodies, near: Some(near), course, .. } = self else { return };
         let layout = near.layout;
         if near.stripes.iter().all(|stripe| stripe.thrown.is_empty()) {
             return;
         }
         near.link_pairs(bodies.len());
-        let most = THROWN * setting.kick.length();
         for number in layout.numbers(Layer::Own) {
             while let Some(body) = near.stripes[number].thrown.pop() {
                 let at = layout.start(number) + body as usize;
                 let Body { free, velocity, .. } = bodies[at];
                 near.all().let_go_of(at, bodies);
-                let velocity = velocity.clamp_length_max(free.length().max(most));
+                let velocity =
+                    velocity.clamp_length_max(free.length().max(setting.most_held(&course.fates[at])));
                 (bodies[at].velocity, bodies[at].free) = (velocity, velocity);
             }
         }
