@@ -45,18 +45,24 @@ fn a_heavy_ball_sinks_through_light_ones_to_the_floor() {
     }
 }
 
-/// They ended up in one place, by twos, squeezed by what they could not push aside.
-#[test]
-fn light_balls_among_large_and_heavy_ones_do_not_end_up_in_each_other() {
-    let fill = |count: u32, radius: u32, mass: f64, seed: u32| {
+/// A box of this size with balls of two kinds: how many, their radius and mass, and a seed for their places.
+fn two_kinds([width, height]: [u32; 2], kinds: [(u32, u32, f64, u32); 2]) -> Simulation {
+    let fills = kinds.map(|(count, radius, mass, seed)| {
         format!(
             "[[fill]]\ncount = {count}\nradius = {radius}\nmass = {mass}\nrestitution = 0.7\nseed = {seed}\n"
         )
-    };
-    let (heavy, light) = (fill(60, 9, 1e4, 1), fill(500, 5, 1.0, 101));
-    let world =
-        "solver = \"contact\"\nsize = [400, 300]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n";
-    let mut pile = Scene::parse("mixed", &format!("{world}{heavy}{light}")).unwrap().build().unwrap();
+    });
+    let text = format!(
+        "solver = \"contact\"\nsize = [{width}, {height}]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n{}",
+        fills.concat()
+    );
+    Scene::parse("mixed", &text).unwrap().build().unwrap()
+}
+
+/// They ended up in one place, by twos, squeezed by what they could not push aside.
+#[test]
+fn light_balls_among_large_and_heavy_ones_do_not_end_up_in_each_other() {
+    let mut pile = two_kinds([400, 300], [(60, 9, 1e4, 1), (500, 5, 1.0, 101)]);
     (0..1500).for_each(|_| pile.advance(FRAME).unwrap());
     assert!(overlap(&pile) < 0.05, "{}", overlap(&pile));
 }
@@ -66,15 +72,7 @@ fn light_balls_among_large_and_heavy_ones_do_not_end_up_in_each_other() {
 #[test]
 fn light_balls_between_heavy_ones_come_to_rest_beside_them() {
     for ratio in [1e2, 1e3, 1e4, 1e6] {
-        let fill = |mass: f64, seed: u32| {
-            format!("[[fill]]\ncount = 150\nradius = 5\nmass = {mass}\nrestitution = 0.7\nseed = {seed}\n")
-        };
-        let text = format!(
-            "solver = \"contact\"\nsize = [324, 182]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n{}{}",
-            fill(1.0, 1),
-            fill(ratio, 1001)
-        );
-        let mut pile = Scene::parse("mixed", &text).unwrap().build().unwrap();
+        let mut pile = two_kinds([324, 182], [(150, 5, 1.0, 1), (150, 5, ratio, 1001)]);
         let at_rest = (0..1800).any(|_| {
             pile.advance(FRAME).is_ok() && pile.balls().iter().all(|ball| ball.velocity() == DVec2::ZERO)
         });

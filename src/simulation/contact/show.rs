@@ -2,9 +2,8 @@
 
 use glam::DVec2;
 
-use super::super::Frame;
 use super::super::ball::Ball;
-use super::super::within;
+use super::super::{Frame, within};
 use super::find::Near;
 use super::layout::Layer;
 use super::stripes::{Stripe, of_layer};

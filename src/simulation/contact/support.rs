@@ -207,27 +207,15 @@ impl Stripe {
             let its = &carrying[ends[0] as usize..ends[1] as usize];
             let Some(&first) = its.first() else { continue };
             let upper = holds[first as usize].pair.first as usize;
-            let floor = |&at: &u32| {
-                let hold = &holds[at as usize];
-                Floor::of(hold, &bodies[hold.pair.second as usize])
-            };
             match *its {
                 // On one it lies as on two that are the same: that takes no branch, which a processor could not foresee.
                 [one] | [one, _] => {
-                    let its = [one, its[its.len() - 1]];
-                    let floors = its.each_ref().map(floor);
-                    let added = carry_on(&bodies[upper], floors);
-                    stop::<PASSES_ON>(upper, holds, bodies, most, its.into_iter().zip(floors).zip(added));
+                    stop_on::<_, PASSES_ON>(upper, holds, bodies, most, [one, its[its.len() - 1]]);
                 }
-                [one, two, three] => {
-                    let its = [one, two, three];
-                    let floors = its.each_ref().map(floor);
-                    let added = carry_on(&bodies[upper], floors);
-                    stop::<PASSES_ON>(upper, holds, bodies, most, its.into_iter().zip(floors).zip(added));
-                }
+                [one, two, three] => stop_on::<_, PASSES_ON>(upper, holds, bodies, most, [one, two, three]),
                 _ => {
                     floors.clear();
-                    floors.extend(its.iter().map(|at| (floor(at), 0.0)));
+                    floors.extend(its.iter().map(|&at| (Floor::under(holds, bodies, at), 0.0)));
                     carry(&bodies[upper], floors);
                     let by = its.iter().zip(&*floors).map(|(&at, &(floor, added))| ((at, floor), added));
                     stop::<PASSES_ON>(upper, holds, bodies, most, by);
@@ -297,9 +285,11 @@ pub(super) struct Floor {
 }
 
 impl Floor {
+    /// The lower ball of the hold at this place.
     #[inline]
-    fn of(hold: &Hold, lower: &Body) -> Self {
-        let up = hold.normal;
+    fn under(holds: &[Hold], bodies: &[Body], at: u32) -> Self {
+        let hold = &holds[at as usize];
+        let (up, lower) = (hold.normal, &bodies[hold.pair.second as usize]);
         Self { up, least: (lower.velocity.dot(up) + hold.least.min(0.0)).min(0.0) }
     }
 }
@@ -334,6 +324,20 @@ fn carry_on<const FLOORS: usize>(body: &Body, floors: [Floor; FLOORS]) -> [f64; 
         }
     }
     added
+}
+
+/// Stops a ball on the few that these holds are with.
+#[inline]
+fn stop_on<const FLOORS: usize, const PASSES_ON: bool>(
+    upper: usize,
+    holds: &mut [Hold],
+    bodies: &mut [Body],
+    most: f64,
+    its: [u32; FLOORS],
+) {
+    let floors = its.map(|at| Floor::under(holds, bodies, at));
+    let added = carry_on(&bodies[upper], floors);
+    stop::<PASSES_ON>(upper, holds, bodies, most, its.into_iter().zip(floors).zip(added));
 }
 
 /// Stops a ball by what the floor of each hold adds to its velocity. Where that is passed on, it holds the ball in the next
