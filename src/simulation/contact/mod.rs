@@ -9,7 +9,8 @@
 //!    `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
 //!    (`take_up`, `support`, `wall_support`; what counts as heavier than it is, and is fast, is slowed down before);
-//! 5. balls move (`Contact::travel`), and those that were thrown by what holds them are let go of (`thrown`);
+//! 5. balls move (`Pass::TRAVEL`), unlike ones are kept from gaining energy (`energy`), and those that were thrown by what
+//!    holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! At a frame's end the balls are shown as they are then (`show`, `legs`).
@@ -22,6 +23,7 @@
 
 mod body;
 mod cover;
+mod energy;
 mod events;
 mod fates;
 mod find;
@@ -193,6 +195,7 @@ impl Contact {
         self.impacts(tally);
         if self.setting.can_rest {
             self.slow_counted();
+            self.note_energy();
             self.support();
             // Without what has nothing to do: threads would wait for each other to find that out.
             let presses = self.setting.kick != DVec2::ZERO;
@@ -211,6 +214,7 @@ impl Contact {
                 Pass::RELAX_ON_WALLS,
                 Pass::FIND_THROWN,
             ]);
+            self.keep_energy();
             self.let_go_of_thrown();
             self.wake_unbalanced();
         } else {
@@ -282,6 +286,7 @@ impl Contact {
         let presses = setting.can_rest && setting.kick != DVec2::ZERO;
         if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
+            self.take_back_thrown();
         }
     }
 

@@ -11,6 +11,7 @@ use super::holds::Given;
 use super::loads::Resting;
 use super::stripes::Stripes;
 use super::substeps::Substeps;
+use super::take_up::let_go;
 use super::thrown::THROWN;
 use super::{Body, Contact};
 
@@ -258,7 +259,7 @@ fn wake(
     if moves < THROWN * kick.length() && pressed < SQUEEZED * kick.length() {
         given.velocity
     } else {
-        stripes.let_go_of(at, bodies);
+        stripes.let_go_of(at, bodies, let_go, &mut Vec::new());
         DVec2::ZERO
     }
 }

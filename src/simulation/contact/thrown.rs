@@ -4,13 +4,15 @@
 //! many times its mass it may be given more than any rest needs: given again, that would be speed from nowhere, which
 //! impacts would pass on. So would what drives a ball against another, off which it bounces back to where it is held: both
 //! would go on for ever. Such balls are let go of, and start anew, no faster than they were, or than what counts as thrown.
+//! What held others against them would throw those now: they are let go of, too.
 
 use glam::DVec2;
 
 use super::fates::{Fate, Shift};
+use super::holds::Hold;
 use super::layout::Layer;
 use super::stripes::Stripes;
-use super::support::two;
+use super::support::{give, two};
 use super::sweep::Pass;
 use super::take_up::let_go;
 use super::{Body, Contact, Setting};
@@ -30,12 +32,9 @@ impl Pass<'_> {
             if setting.kick == DVec2::ZERO {
                 return;
             }
-            let is_thrown = |(body, fate): (&Body, &Fate)| {
-                let most = setting.most_held(fate);
-                (body.velocity - body.free).length_squared() > most * most
-            };
             let bodies = (0..).zip(share.bodies.iter().zip(share.fates.iter()));
-            stripe.thrown.extend(bodies.filter(|&(_, its)| is_thrown(its)).map(|(at, _)| at));
+            let thrown = bodies.filter(|&(_, (body, fate))| is_thrown(body, setting.most_held(fate)));
+            stripe.thrown.extend(thrown.map(|(at, _)| at));
         },
     };
 }
@@ -49,6 +48,12 @@ impl Setting {
     }
 }
 
+/// Whether what holds a ball changes its velocity by more than this.
+#[inline]
+fn is_thrown(body: &Body, most: f64) -> bool {
+    (body.velocity - body.free).length_squared() > most * most
+}
+
 impl Contact {
     /// Forgets what held the balls that it has thrown, and takes away what speed that gave them beyond this.
     pub(super) fn let_go_of_thrown(&mut self) {
@@ -58,22 +63,57 @@ impl Contact {
             return;
         }
         near.link_pairs(bodies.len());
+        let mut thrown = Vec::new();
         for number in layout.numbers(Layer::Own) {
-            while let Some(body) = near.stripes[number].thrown.pop() {
-                let at = layout.start(number) + body as usize;
-                let Body { free, velocity, .. } = bodies[at];
-                near.all().let_go_of(at, bodies);
-                let velocity =
-                    velocity.clamp_length_max(free.length().max(setting.most_held(&course.fates[at])));
-                (bodies[at].velocity, bodies[at].free) = (velocity, velocity);
-            }
+            let start = layout.start(number);
+            thrown.extend(near.stripes[number].thrown.drain(..).map(|body| start + body as usize));
+        }
+        let most = |at: usize| setting.most_held(&course.fates[at]);
+        let mut others = Vec::new();
+        while let Some(at) = thrown.pop() {
+            let Body { free, velocity, .. } = bodies[at];
+            near.all().let_go_of(at, bodies, let_go, &mut others);
+            let velocity = velocity.clamp_length_max(free.length().max(most(at)));
+            (bodies[at].velocity, bodies[at].free) = (velocity, velocity);
+            thrown.extend(others.drain(..).filter(|&other| is_thrown(&bodies[other], most(other))));
+        }
+    }
+
+    /// Forgets what would throw balls at the beginning of a substep, and takes it back: where balls weigh something else than
+    /// before, or are not near each other any more, what others give them may balance nothing.
+    pub(super) fn take_back_thrown(&mut self) {
+        let Self { setting, bodies, near: Some(near), .. } = self else { return };
+        let most = THROWN * setting.kick.length();
+        let mut thrown: Vec<_> = (0..bodies.len()).filter(|&at| is_thrown(&bodies[at], most)).collect();
+        if thrown.is_empty() {
+            return;
+        }
+        near.link_pairs(bodies.len());
+        let mut others = Vec::new();
+        while let Some(at) = thrown.pop() {
+            near.all().let_go_of(at, bodies, take_back, &mut others);
+            bodies[at].velocity = bodies[at].free;
+            thrown.extend(others.drain(..).filter(|&other| is_thrown(&bodies[other], most)));
         }
     }
 }
 
+/// Forgets how two balls held each other. What that has given them is taken back.
+fn take_back(hold: &mut Hold, first: &mut Body, second: &mut Body) {
+    give(-(hold.normal * hold.impulse + hold.grip), first, second);
+    (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+}
+
 impl Stripes<'_> {
-    /// Forgets what others and walls give a ball, and it them. Its pairs must be linked.
-    pub(super) fn let_go_of(&mut self, body: usize, bodies: &mut [Body]) {
+    /// Forgets what others and walls give a ball, and it them, as `forget` does it with each hold, and adds the `others` that
+    /// were pressed. Its pairs must be linked.
+    pub(super) fn let_go_of(
+        &mut self,
+        body: usize,
+        bodies: &mut [Body],
+        forget: fn(&mut Hold, &mut Body, &mut Body),
+        others: &mut Vec<usize>,
+    ) {
         for number in self.of_body(body) {
             let start = self.layout.start(number);
             let (stripe, own) = (&mut self.list[number], (body - start) as u32);
@@ -82,9 +122,10 @@ impl Stripes<'_> {
                 let Some(hold) = stripe.hold_mut(at) else { continue };
                 let (pair, lost) = (hold.pair, hold.impulse);
                 let (first, second) = two(&mut bodies[start..], pair);
-                let_go(hold, first, second);
+                forget(hold, first, second);
                 if lost > 0.0 {
                     let other = if pair.first == own { pair.second } else { pair.first };
+                    others.push(start + other as usize);
                     stripe.disturbed.push((other, lost));
                 }
             }

@@ -1,0 +1,102 @@
+//! What holds unlike balls gives them no energy.
+//!
+//! A ball may count as heavier than it is where it is held (`weights`), what is let go of keeps what it was given, and what
+//! pressed in the last substep may press on nothing in this one: each of these may be energy from nowhere. So balls that
+//! become faster by what holds them take together no more than it takes from others. Impacts see to their own energy.
+
+use super::Contact;
+
+impl Contact {
+    /// Notes how fast unlike balls are, after their impacts, without what holds them.
+    pub(super) fn note_energy(&mut self) {
+        let Self { bodies, near: Some(near), .. } = self else { return };
+        near.weights.unheld.clear();
+        if near.weights.differ {
+            near.weights.unheld.extend(bodies.iter().map(|body| body.free.length_squared()));
+        }
+    }
+
+    /// Slows unlike balls that have become faster by what holds them, where they have gained more than others have lost.
+    pub(super) fn keep_energy(&mut self) {
+        let Self { bodies, rests, near: Some(near), .. } = self else { return };
+        // With what they weigh, whatever they count with.
+        let balls =
+            || bodies.iter().zip(&*rests).zip(&near.weights.unheld).filter(|((_, rest), _)| rest.own > 0.0);
+        let (mut gained, mut lost) = (0.0, 0.0);
+        for ((body, rest), &unheld) in balls() {
+            let change = (body.velocity.length_squared() - unheld) / rest.own;
+            *(if change > 0.0 { &mut gained } else { &mut lost }) += change.abs();
+        }
+        if gained <= lost {
+            return;
+        }
+        for (body, &unheld) in bodies.iter_mut().zip(&near.weights.unheld) {
+            let now = body.velocity.length_squared();
+            if now > unheld {
+                let kept = (unheld + (now - unheld) * (lost / gained)) / now;
+                let change = body.velocity * (kept.sqrt() - 1.0);
+                // As if an impact had: what holds it goes on.
+                body.velocity += change;
+                body.free += change;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::super::super::ball::Ball;
+    use super::super::super::world::{Pairs, World};
+    use super::super::{Body, Tuning};
+    use super::*;
+
+    /// A heavy ball, a light one and a fixed one, which do not touch.
+    fn unlike() -> Contact {
+        let world = World::new(DVec2::splat(400.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+        let ball =
+            |x: f64, mass: f64| Ball::new(DVec2::new(x, 100.0), 10.0).unwrap().with_mass(mass).unwrap();
+        let balls = [ball(100.0, 1e4), ball(200.0, 1.0), ball(300.0, 1.0).fixed()];
+        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
+        let mut contact = Contact::new(&world.with_pairs(Pairs::Impulse), &balls, tuning);
+        contact.find();
+        contact
+    }
+
+    /// Which body the ball of this index is.
+    fn at(contact: &Contact, index: u32) -> usize {
+        contact.ids.iter().position(|&id| id == index).unwrap()
+    }
+
+    #[test]
+    fn those_that_gain_take_no_more_than_others_lose() {
+        let mut contact = unlike();
+        let (heavy, light) = (at(&contact, 0), at(&contact, 1));
+        contact.bodies[light].free = DVec2::new(30.0, 40.0);
+        contact.bodies[heavy].free = DVec2::ZERO;
+        contact.note_energy();
+        contact.bodies[light].velocity = DVec2::new(0.0, -30.0);
+        contact.bodies[heavy].velocity = DVec2::new(100.0, 0.0);
+        contact.bodies[heavy].free = DVec2::new(60.0, 0.0);
+        contact.keep_energy();
+        // The light one has lost 50² - 30².
+        let speed = (1600.0_f64 / 1e4).sqrt();
+        let Body { velocity, free, .. } = contact.bodies[heavy];
+        assert!((velocity - DVec2::new(speed, 0.0)).length() < 1e-12, "{velocity}");
+        assert!((velocity - free - DVec2::new(40.0, 0.0)).length() < 1e-12, "what holds it goes on");
+        assert_eq!(contact.bodies[light].velocity, DVec2::new(0.0, -30.0));
+    }
+
+    #[test]
+    fn what_is_lost_may_be_gained() {
+        let mut contact = unlike();
+        let (heavy, light) = (at(&contact, 0), at(&contact, 1));
+        contact.bodies[heavy].free = DVec2::new(3.0, 0.0);
+        contact.note_energy();
+        contact.bodies[heavy].velocity = DVec2::ZERO;
+        contact.bodies[light].velocity = DVec2::new(0.0, 299.0);
+        contact.keep_energy();
+        assert_eq!(contact.bodies[light].velocity, DVec2::new(0.0, 299.0));
+    }
+}
