@@ -138,3 +138,27 @@ fn a_heavy_ball_that_falls_on_a_light_one_gains_nothing_and_does_not_pass_it() {
         }
     }
 }
+
+#[test]
+fn a_ball_that_has_come_to_rest_on_the_floor_meets_it_no_more_whatever_gravity() {
+    for pull in (4..=40).map(|k| 49.0 * f64::from(k)) {
+        let under = world(1280.0, 720.0, 0.8).with_gravity(DVec2::new(0.0, pull)).unwrap();
+        let balls =
+            vec![moving(ball(100.0, 710.0, 10.0), 20.0, 0.0), moving(ball(300.0, 650.0, 10.0), 20.0, 0.0)];
+        let mut bouncing = simulation(under, balls);
+        bouncing.advance(12.0).unwrap();
+        let hits = bouncing.tally().wall_hits;
+        for _ in 0..60 {
+            bouncing.advance(FRAME).unwrap();
+            for ball in bouncing.balls() {
+                assert_eq!(ball.velocity(), DVec2::new(20.0, 0.0), "under {pull} px/s²");
+                assert!((ball.position().y - 710.0).abs() < 1e-9, "under {pull} px/s²");
+            }
+        }
+        assert_eq!(bouncing.tally().wall_hits, hits, "under {pull} px/s²");
+        // One that fell 60 px comes to the speed below which impacts are not counted after so many.
+        let landing = (2.0 * pull * 60.0).sqrt();
+        let law = (landing.ln() / -0.8_f64.ln()).floor() as u64 + 1;
+        assert!(hits.abs_diff(law) <= 1, "{hits} impacts under {pull} px/s², not {law}");
+    }
+}

@@ -155,7 +155,7 @@ fn a_ball_that_swings_against_a_wall_never_sleeps_at_its_turning_points() {
 fn what_lands_on_a_sleeping_pile_wakes_it_and_leaves_no_overlap() {
     let text = "solver = \"contact\"\nsize = [300, 6000]\ngravity = [0, 980]\n[walls]\nrestitution = 0.3\n[pairs]\n\
                 [[ball]]\nposition = [150, 30]\nradius = 25\nmass = 100\nrestitution = 0.3\n\
-                [[fill]]\ncount = 150\nradius = [6, 9]\nrestitution = 0.3\nregion = [0, 5600, 300, 6000]\n";
+                [[fill]]\ncount = 150\nradius = [6, 9]\nrestitution = 0.3\nseed = 2\nregion = [0, 5600, 300, 6000]\n";
     let mut simulation = Scene::parse("drop", text).unwrap().build().unwrap();
     simulation.advance(3.2).unwrap();
     let rest = simulation.balls().to_vec();

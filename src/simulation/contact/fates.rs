@@ -38,6 +38,29 @@ pub(super) struct Fate {
     pub(super) slow: bool,
     pub(super) fast: bool,
     pub(super) shift: Shift,
+    /// Across which axes it came to rest on a wall that nothing but gravity presses it on.
+    pub(super) landed: Axes,
+}
+
+/// Some of both axes, x first.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Axes(u8);
+
+impl Axes {
+    pub(super) const NONE: Self = Self(0);
+
+    /// Adds those of another set.
+    pub(super) fn add(&mut self, others: Self) {
+        self.0 |= others.0;
+    }
+
+    pub(super) fn of(axis: usize) -> Self {
+        Self(1 << axis)
+    }
+
+    pub(super) fn has(self, axis: usize) -> bool {
+        self.0 & (1 << axis) != 0
+    }
 }
 
 /// Where a body stands that was hit after the substep's beginning: until its end where it would have come from.

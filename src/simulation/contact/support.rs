@@ -18,7 +18,7 @@ use super::layout::Layer;
 use super::stripes::Stripe;
 use super::substeps::Softness;
 use super::sweep::{Pass, Share};
-use super::wall_support::{hold_on_walls, relax_on_walls};
+use super::wall_support::{hold_on_walls, lay_on_walls, relax_on_walls};
 use super::{Body, Contact, Setting};
 
 /// The part of slow sliding of balls that press on each other that is taken away in a substep.
@@ -112,6 +112,7 @@ fn take_up(setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>) {
     if setting.kick == DVec2::ZERO {
         stripe.forget();
     }
+    lay_on_walls(setting, share.fates, &mut stripe.beside);
     hold_on_walls(setting, share.bodies, &mut stripe.beside);
     stripe.take_up_all(setting, share);
     stripe.unsettled = true;

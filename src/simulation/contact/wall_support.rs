@@ -2,11 +2,22 @@
 
 use glam::DVec2;
 
+use super::fates::Fate;
 use super::holds::Beside;
 use super::{Body, Setting};
 
 /// A wall's push that is less than this part of a velocity is rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// Has walls bear the balls that came to rest on them in this substep.
+pub(super) fn lay_on_walls(setting: &Setting, fates: &[Fate], beside: &mut [Beside]) {
+    for beside in beside {
+        let landed = fates[beside.body as usize].landed;
+        for axis in (0..2).filter(|&axis| landed.has(axis)) {
+            beside.push[axis] = -setting.kick[axis];
+        }
+    }
+}
 
 /// Stops the balls that walls hold at the walls. The largest change of a ball's speed, in radii a second.
 #[inline]

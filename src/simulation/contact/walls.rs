@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::fates::Axes;
 use super::holds::Beside;
 use super::meeting::strike;
 use super::{Body, SHIFT, Setting, Tally};
@@ -40,11 +41,13 @@ pub(super) struct Met {
     pub(super) first: [f64; 2],
     /// Whether it bounced again across one.
     pub(super) again: bool,
+    /// Across which it now rests, with nothing but gravity to press it.
+    pub(super) landed: Axes,
 }
 
 impl Met {
     pub(super) const NOTHING: Self =
-        Self { time: 0.0, shifts: false, first: [f64::INFINITY; 2], again: false };
+        Self { time: 0.0, shifts: false, first: [f64::INFINITY; 2], again: false, landed: Axes::NONE };
 }
 
 /// Bounces a ball of this inverse mass off the walls that it meets in this substep after `since`, when it was last hit.
@@ -68,18 +71,21 @@ pub(super) fn meet_walls(
             continue;
         };
         let Some(landed) = meet_wall(setting, body, beside, (axis, wall, side), since, e) else { continue };
-        if landed.fastest > setting.rest_speed {
-            tally.wall_hits += u64::from(landed.bounces);
-        }
+        tally.wall_hits += u64::from(landed.counted);
         tally.wall_impulse[axis] += side * landed.impulse / own;
         let before = met.unwrap_or(Met::NOTHING);
         let mut first = before.first;
         first[axis] = since + landed.first;
+        let mut rests = before.landed;
+        if landed.at.is_none() && body.velocity[axis] != body.free[axis] {
+            rests.add(Axes::of(axis));
+        }
         met = Some(Met {
             time: before.time.max(since + landed.time),
             shifts: before.shifts || (landed.fastest * setting.substep > SHIFT * body.radius),
             first,
             again: before.again || landed.bounces > 1,
+            landed: rests,
         });
     }
     met
@@ -117,7 +123,15 @@ fn meet_wall(
     let position = body.position[axis] + mean * since + fallen;
     let height = if side > 0.0 { position - wall } else { wall - position };
     let hop = Hop { height, speed: side * start, acceleration: side * acceleration };
-    let landed = hop.bounce(left, setting.substep, SHIFT * body.radius / setting.substep, e);
+    let slow = SHIFT * body.radius / setting.substep;
+    let landed = hop.bounce(left, setting.substep, (slow, setting.rest_speed), e);
+    if landed.at.is_none() && lone {
+        // It stands where it is, and the wall bears it from now on (`lay_on_walls`). Were it left to fall on the wall from where
+        // it would just come to it, rounding would decide whether that holds it or it hops on.
+        body.position[axis] = wall;
+        (body.velocity[axis], body.free[axis]) = (0.0, change);
+        return Some(landed);
+    }
     // What it would have been, had nothing held it.
     let velocity = match landed.at {
         Some(at) if lone => side * at.speed - 0.5 * change,
@@ -183,6 +197,8 @@ struct Landed {
     /// When it bounced again for the last time, s, but for hops in which it hardly moves; 0 where it did not.
     time: f64,
     bounces: u32,
+    /// How many of them count as impacts.
+    counted: u32,
     /// When it bounced first; never, where it did not.
     first: f64,
     /// The fastest of them, px/s.
@@ -193,9 +209,9 @@ struct Landed {
 
 impl Hop {
     /// Follows the ball for `time` s, a substep or what is left of it, in closed form, through all its bounces; those
-    /// slower than `slow`, px/s, hardly move it.
-    fn bounce(mut self, time: f64, substep: f64, slow: f64, e: f64) -> Landed {
-        let (mut left, mut bounces, mut fastest, mut impulse) = (time, 0, 0.0_f64, 0.0);
+    /// slower than `slow`, px/s, hardly move it, and those no faster than `rest_speed` are not counted.
+    fn bounce(mut self, time: f64, substep: f64, (slow, rest_speed): (f64, f64), e: f64) -> Landed {
+        let (mut left, mut bounces, mut counted, mut fastest, mut impulse) = (time, 0, 0, 0.0_f64, 0.0);
         let (mut first, mut last) = (f64::INFINITY, 0.0);
         self.height = self.height.max(0.0);
         loop {
@@ -217,7 +233,7 @@ impl Hop {
                     speed: speed + acceleration * left,
                     acceleration,
                 };
-                return Landed { at: Some(at), time: last, bounces, first, fastest, impulse };
+                return Landed { at: Some(at), time: last, bounces, counted, first, fastest, impulse };
             }
             left -= wait;
             first = first.min(time - left);
@@ -225,12 +241,13 @@ impl Hop {
                 last = time - left;
             }
             bounces += 1;
+            counted += u32::from(arrival > rest_speed);
             fastest = fastest.max(arrival);
             impulse += (1.0 + e) * arrival;
             self = Self { height: 0.0, speed: e * arrival, acceleration };
             let short = 2.0 * self.speed <= -acceleration * SHORTEST_HOP * substep;
             if short || bounces == BOUNCES {
-                return Landed { at: None, time: last, bounces, first, fastest, impulse };
+                return Landed { at: None, time: last, bounces, counted, first, fastest, impulse };
             }
         }
     }
