@@ -156,18 +156,26 @@ impl Room {
     }
 }
 
-/// The discs in a room, each in every cell that its bounding box touches.
+/// The discs in a room: those of about a size in a grid of cells that are as wide as they are, so that each lies in four
+/// cells at most, however large it is.
 struct Taken {
-    low: DVec2,
-    cell: f64,
-    columns: usize,
-    rows: usize,
-    /// The first link of each cell's chain.
-    heads: Vec<u32>,
+    /// From the finest; cells are twice as wide from each to the next.
+    grids: Vec<Cells>,
     /// A disc, and the next link of the chain.
     links: Vec<(u32, u32)>,
     /// Centres and radii, px.
     discs: Vec<(DVec2, f64)>,
+}
+
+/// The cells of one width.
+struct Cells {
+    /// The room's corner.
+    low: DVec2,
+    width: f64,
+    columns: usize,
+    rows: usize,
+    /// The first link of each cell's chain.
+    heads: Vec<u32>,
 }
 
 /// The end of a chain.
@@ -179,51 +187,114 @@ impl Taken {
         let extent = (room.high - room.low).max(DVec2::splat(f64::MIN_POSITIVE));
         // No more than a few cells a ball, however small the balls.
         let least = (extent.x * extent.y / (4 * (present.len() + more) + 64) as f64).sqrt();
-        let cell = (2.0 * widest).max(least);
-        let count = |length: f64| ((length / cell) as usize).min(1 << 20) + 1;
-        let (columns, rows) = (count(extent.x), count(extent.y));
-        let heads = vec![NONE; columns * rows];
-        let mut taken =
-            Self { low: room.low, cell, columns, rows, heads, links: Vec::new(), discs: Vec::new() };
+        let largest = present.iter().map(Ball::radius).fold(widest, f64::max);
+        let finest = Cells::new(room.low, extent, (2.0 * widest).max(least));
+        let coarser = |cells: &Cells| {
+            let has_all = 2.0 * largest <= cells.width || cells.heads.len() == 1;
+            (!has_all).then(|| Cells::new(room.low, extent, 2.0 * cells.width))
+        };
+        let grids = std::iter::successors(Some(finest), coarser).collect();
+        let mut taken = Self { grids, links: Vec::new(), discs: Vec::new() };
         for ball in present {
             taken.take(ball.position(), ball.radius());
         }
         taken
     }
 
+    fn take(&mut self, at: DVec2, radius: f64) {
+        let disc = self.discs.len() as u32;
+        self.discs.push((at, radius));
+        // What is wider than all cells lies in the widest: then that is one for all of the room.
+        let fitting = self.grids.iter().position(|cells| 2.0 * radius <= cells.width);
+        let last = self.grids.len() - 1;
+        let cells = &mut self.grids[fitting.unwrap_or(last)];
+        for cell in cells.touched(at, radius) {
+            self.links.push((disc, cells.heads[cell]));
+            cells.heads[cell] = (self.links.len() - 1) as u32;
+        }
+    }
+
+    fn is_free(&self, at: DVec2, radius: f64) -> bool {
+        self.grids.iter().all(|cells| {
+            cells.touched(at, radius).all(|cell| {
+                let mut link = cells.heads[cell];
+                while link != NONE {
+                    let (disc, next) = self.links[link as usize];
+                    let (position, other) = self.discs[disc as usize];
+                    let reach = radius + other;
+                    if at.distance_squared(position) < reach * reach {
+                        return false;
+                    }
+                    link = next;
+                }
+                true
+            })
+        })
+    }
+}
+
+impl Cells {
+    fn new(low: DVec2, extent: DVec2, width: f64) -> Self {
+        let count = |length: f64| ((length / width) as usize).min(1 << 20) + 1;
+        let (columns, rows) = (count(extent.x), count(extent.y));
+        Self { low, width, columns, rows, heads: vec![NONE; columns * rows] }
+    }
+
     /// The cells that a disc's bounding box touches; those outside count as the border's.
-    fn cells(&self, at: DVec2, radius: f64) -> impl Iterator<Item = usize> + use<> {
-        let low = (at - radius - self.low) / self.cell;
-        let high = (at + radius - self.low) / self.cell;
+    fn touched(&self, at: DVec2, radius: f64) -> impl Iterator<Item = usize> + use<> {
+        let low = (at - radius - self.low) / self.width;
+        let high = (at + radius - self.low) / self.width;
         // A cast from a float saturates: what lies before the first cell is in it.
         let columns = (low.x as usize).min(self.columns - 1)..=(high.x as usize).min(self.columns - 1);
         let rows = (low.y as usize).min(self.rows - 1)..=(high.y as usize).min(self.rows - 1);
         let width = self.columns;
         rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
     }
+}
 
-    fn take(&mut self, at: DVec2, radius: f64) {
-        let disc = self.discs.len() as u32;
-        self.discs.push((at, radius));
-        for cell in self.cells(at, radius) {
-            self.links.push((disc, self.heads[cell]));
-            self.heads[cell] = (self.links.len() - 1) as u32;
-        }
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Discs of all sizes, in places that look random, inside and outside of a room.
+    fn discs(count: u32) -> Vec<Ball> {
+        let part = |index: u32, factor: f64| (f64::from(index + 1) * factor).fract();
+        let disc = |index| {
+            let at = DVec2::new(part(index, 0.618_034), part(index, 0.754_878)) * 900.0 - 150.0;
+            Ball::new(at, 0.01 + 200.0 * part(index, 0.569_84).powi(12)).unwrap()
+        };
+        (0..count).map(disc).collect()
     }
 
-    fn is_free(&self, at: DVec2, radius: f64) -> bool {
-        self.cells(at, radius).all(|cell| {
-            let mut link = self.heads[cell];
-            while link != NONE {
-                let (disc, next) = self.links[link as usize];
-                let (position, other) = self.discs[disc as usize];
-                let reach = radius + other;
-                if at.distance_squared(position) < reach * reach {
-                    return false;
-                }
-                link = next;
-            }
-            true
-        })
+    #[test]
+    fn a_place_is_free_where_no_disc_of_any_size_is() {
+        let room = Room { low: DVec2::new(20.0, 30.0), high: DVec2::new(620.0, 430.0) };
+        let present = discs(100);
+        let taken = Taken::new(&room, 2.0, &present, 50);
+        assert!(taken.grids.len() > 3);
+        let mut free = 0;
+        for probe in discs(3000) {
+            let (at, radius) = (probe.position(), probe.radius());
+            let met = present.iter().any(|ball| {
+                let reach = radius + ball.radius();
+                at.distance_squared(ball.position()) < reach * reach
+            });
+            assert_eq!(taken.is_free(at, radius), !met, "{at} {radius}");
+            free += u32::from(!met);
+        }
+        assert!((300..2700).contains(&free), "{free}");
+    }
+
+    #[test]
+    fn discs_take_no_more_memory_the_larger_they_are() {
+        let room = Room { low: DVec2::ZERO, high: DVec2::new(1280.0, 720.0) };
+        for radius in [0.5, 3.0, 40.0, 360.0, 1e6] {
+            let ball = |index| Ball::new(DVec2::new(f64::from(index) / 10.0, 300.0), radius).unwrap();
+            let present: Vec<Ball> = (0..5000).map(ball).collect();
+            let taken = Taken::new(&room, 1.0, &present, 1);
+            assert!(taken.links.len() <= 4 * present.len(), "{radius}: {} links", taken.links.len());
+            let cells: usize = taken.grids.iter().map(|cells| cells.heads.len()).sum();
+            assert!(cells <= 10 * present.len(), "{radius}: {cells} cells");
+        }
     }
 }
