@@ -1,12 +1,11 @@
 //! The deltas of a run: even ones at a frame rate, or those of a file.
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::scene::shown;
+use crate::scene::{read_up_to, shown};
 use crate::simulation::limits::{DELTA, OutOfRange};
 
 /// The frames of a run, one delta in seconds each.
@@ -160,12 +159,8 @@ impl Frames {
 
 /// The text of a file of deltas, which is at most [`LONGEST_FILE`] bytes long.
 fn read(path: &Path) -> io::Result<String> {
-    let mut text = String::new();
-    File::open(path)?.take(LONGEST_FILE + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > LONGEST_FILE {
-        return Err(io::Error::other(format!("the file has more than {LONGEST_FILE} bytes")));
-    }
-    Ok(text)
+    let too_long = || io::Error::other(format!("the file has more than {LONGEST_FILE} bytes"));
+    read_up_to(LONGEST_FILE, path)?.ok_or_else(too_long)
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ mod values;
 mod write;
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::OnceLock;
 use std::thread;
@@ -289,13 +289,15 @@ const ADDED_STREAM: u64 = 1 << 32;
 
 /// The text of a scene file, which is at most [`LONGEST_FILE`] bytes long.
 pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
-    let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
-    let file = File::open(path).map_err(unreadable)?;
+    read_up_to(LONGEST_FILE, path)
+        .map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?
+        .ok_or_else(|| SceneError::TooLong { path: path.to_owned(), most: LONGEST_FILE })
+}
+
+/// The text of a file; none where it is longer than so many bytes, and then no more than these are read.
+pub(crate) fn read_up_to(most: u64, path: &Path) -> io::Result<Option<String>> {
     let mut text = String::new();
     // One byte more than allowed tells a file that is too long from one that just is not.
-    file.take(LONGEST_FILE + 1).read_to_string(&mut text).map_err(unreadable)?;
-    if text.len() as u64 > LONGEST_FILE {
-        return Err(SceneError::TooLong { path: path.to_owned(), most: LONGEST_FILE });
-    }
-    Ok(text)
+    File::open(path)?.take(most + 1).read_to_string(&mut text)?;
+    Ok((text.len() as u64 <= most).then_some(text))
 }

@@ -7,8 +7,7 @@ mod read;
 mod write;
 
 use std::fmt;
-use std::fs::File;
-use std::io::{self, Read as _};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -120,12 +119,9 @@ impl Replay {
     /// [`ReplayError`] where the file cannot be read, is not a replay, or begins with other balls than the scene has.
     pub fn read(path: &Path, scene: &Scene) -> Result<Self, ReplayError> {
         let unreadable = |source| ReplayError::Unreadable { path: path.to_owned(), source };
-        let mut text = String::new();
-        let file = File::open(path).map_err(unreadable)?;
-        file.take(LONGEST_FILE + 1).read_to_string(&mut text).map_err(unreadable)?;
-        if text.len() as u64 > LONGEST_FILE {
-            return Err(ReplayError::TooLong { path: path.to_owned() });
-        }
+        let text = scene::read_up_to(LONGEST_FILE, path)
+            .map_err(unreadable)?
+            .ok_or_else(|| ReplayError::TooLong { path: path.to_owned() })?;
         Self::parse(path, &text, scene)
     }
 
