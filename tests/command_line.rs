@@ -140,6 +140,15 @@ fn results_on_standard_output_are_not_mixed_with_the_summary() {
 }
 
 #[test]
+fn a_file_with_the_name_of_no_scene_is_found_by_its_path() {
+    let here = folder();
+    fs::write(here.path().join("noext"), "").unwrap();
+    fail(&here, &["run", "noext"], 2, "for the file of that name write ./noext");
+    fail(&here, &["run", "other"], 2, "give the path of a .toml file");
+    succeed(&here, &["run", "./noext", "--seconds", "0"]);
+}
+
+#[test]
 fn no_output_takes_the_place_of_an_input() {
     let here = folder();
     let (scene, deltas) = (here.path().join("mine.toml"), here.path().join("deltas.txt"));

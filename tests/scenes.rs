@@ -200,9 +200,15 @@ fn galtons_board_piles_up_a_bell_in_its_middle() {
 
 /// A wrong scene file, the line that the message must name, and what it must say.
 const WRONG: &[(&str, usize, &str)] = &[
+    ("gravty = [0, 980]", 1, "did you mean gravity?"),
+    ("[[ball]]\nposition = [1, 2]\nradus = 3", 3, "did you mean radius?"),
+    ("[wals]", 1, "did you mean walls?"),
     ("gravty = [0, 980]", 1, "unknown field `gravty`, expected one of `about`, `solver`, `size`, `gravity`"),
-    ("size = [1280, 720]\ngravity = 980", 2, "expected two numbers, such as [30, 50]"),
-    ("gravity = [0, 1, 2]", 1, "expected two numbers, such as [30, 50]"),
+    ("size = [1280, 720]\ngravity = 980", 2, "expected two numbers, such as [0, 980]"),
+    ("gravity = [0, 1, 2]", 1, "expected two numbers, such as [0, 980]"),
+    ("size = 1280", 1, "expected two numbers, such as [1280, 720]"),
+    ("[[ball]]\nposition = 3\nradius = 3", 2, "expected two numbers, such as [30, 50]"),
+    ("ball = [{ radius = 3, position = [1, 2], velocity = 5 }]", 1, "such as [-100, 390]"),
     ("gravity = [0, nan]", 1, "gravity is NaN px/s²; it must be from -1e9 to 1e9 px/s²"),
     ("size = [0, 720]", 1, "size is 0 px; it must be from 1 to 1e6 px"),
     ("size = [1280, 0.5]", 1, "size is 0.5 px; it must be from 1 to 1e6 px"),
@@ -253,7 +259,7 @@ const WRONG: &[(&str, usize, &str)] = &[
         "write it at the top of the file, before the first name",
     ),
     ("[walls]\n[walls]", 2, "the table [walls] comes once"),
-    ("[gravity]\ny = 980", 1, "expected two numbers, such as [30, 50]"),
+    ("[gravity]\ny = 980", 1, "expected two numbers, such as [0, 980]"),
     (
         "[ball]\nposition = [1, 2]\nradius = 3\n[ball]\nposition = [9, 9]\nradius = 3",
         4,
@@ -366,6 +372,16 @@ const WRONG: &[(&str, usize, &str)] = &[
         "must lie in the world, [0, 0, 1280, 720]",
     ),
     ("[[fill]]\ncount = 5\nradius = 3\nregion = [0, 0, 5, 10]", 4, "no room for a ball of radius 3"),
+    (
+        "[[fill]]\ncount = 5\nradius = 3\nregion = [900, 10, 500, 300]",
+        4,
+        "the smaller number first: [500, 10, 900, 300]",
+    ),
+    (
+        "[[fill]]\ncount = 5\nradius = 3\nmass = [1, 2]",
+        4,
+        "expected a number, such as 12 or 0.5; random balls whose masses differ have a density instead: density = 1",
+    ),
     ("[[fill]]\ncount = 5\nradius = 3\nregion = [0, 0, 5]", 4, "four numbers, left, top, right and bottom"),
     ("\n\n[[fill]]\ncount = 100000\nradius = 20", 3, "found room; write a smaller count or radius"),
 ];
@@ -379,6 +395,27 @@ fn wrong_scenes_are_refused_with_line_reason_and_remedy() {
         assert!(said.contains(message), "{text:?}: {said}");
         assert!(matches!(error, SceneError::Wrong(_)));
     }
+}
+
+#[test]
+fn keys_that_nothing_is_like_are_not_guessed_at() {
+    for key in ["colour", "recursive", "abut", "x", "size2d"] {
+        let error = Scene::parse("bad.toml", &format!("{key} = 1")).unwrap_err().to_string();
+        let guessed = if key == "abut" { "; did you mean about?" } else { "`rain`" };
+        assert!(error.lines().next().unwrap().ends_with(guessed), "{error}");
+    }
+}
+
+#[test]
+fn a_fill_whose_region_the_world_has_lost_says_so() {
+    let text = "[[fill]]\ncount = 20\nradius = 5\nregion = [700, 0, 1280, 360]\n";
+    let scene = Scene::parse("it.toml", text).unwrap();
+    let error = scene.clone().with_size(DVec2::new(400.0, 300.0)).unwrap().build().unwrap_err().to_string();
+    assert!(
+        error.contains("its region reaches beyond this world of 400x300 px; ask for a larger --size"),
+        "{error}"
+    );
+    assert!(scene.with_size(DVec2::new(900.0, 300.0)).unwrap().build().is_ok(), "what is left has room");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! What to write instead, for what the parser says of a scene file.
 
+use super::values::TWO_NUMBERS;
+
 /// A key or a table of a scene file.
 struct Known {
     name: &'static str,
@@ -75,6 +77,9 @@ const NO_LINE: &str = "this is neither a key with its value, such as radius = 30
 const OPEN_ARRAY: &str =
     "an array that began before is still open here; close it with ], and put commas between its numbers";
 
+/// What is said where a mass is no number: of random balls, masses may differ.
+const DIFFERENT_MASSES: &str = "; random balls whose masses differ have a density instead: density = 1";
+
 /// The entry that the parser complains of.
 struct Entry<'a> {
     /// The line, from where it says something.
@@ -138,6 +143,12 @@ impl<'a> Entry<'a> {
         self.and_slashes(message)
     }
 
+    /// A message that two numbers are expected, and such ones as this key has.
+    fn and_two_numbers(&self, message: &str) -> String {
+        let example = self.known().and_then(|known| known.example.split_once(" = "));
+        format!("{message}, such as {}", example.map_or("[30, 50]", |(_, value)| value))
+    }
+
     /// A message, and what a comment begins with, if it looks as if there were one.
     fn and_slashes(&self, message: String) -> String {
         if self.line.contains("//") { message + "; a comment begins with #" } else { message }
@@ -177,14 +188,21 @@ pub(super) fn advice(said: &str, line: &str, offset: usize) -> String {
         format!("{said}: true or false")
     } else if said.contains("expected a table: ") {
         format!("{said}, or leave it out for none")
+    } else if said.ends_with(TWO_NUMBERS) {
+        entry.and_two_numbers(&in_toml(said))
     } else if said.contains("such as") || begins(&["unknown variant"]) {
-        // What our own types say of themselves; TOML has other names for what was found.
-        said.replace("type: map", "type: table")
-            .replace("type: sequence", "type: array")
-            .replace("floating point", "number")
+        let ranged = entry.name == "mass" && said.contains("type: sequence");
+        in_toml(said) + if ranged { DIFFERENT_MASSES } else { "" }
     } else {
         entry.and_write(said)
     }
+}
+
+/// What our own types say of themselves, with TOML's names for what was found.
+fn in_toml(said: &str) -> String {
+    said.replace("type: map", "type: table")
+        .replace("type: sequence", "type: array")
+        .replace("floating point", "number")
 }
 
 /// What is said of a key that a table does not have.
@@ -200,8 +218,37 @@ fn misplaced(said: &str, key: &str) -> String {
             "{key} belongs to no table; write it at the top of the file, before the first name in brackets"
         ),
         Some(known) => format!("{key} does not belong here; write it below {}", known.tables),
-        None => said.to_owned(),
+        None => alike(said, key).map_or(said.to_owned(), |meant| format!("{said}; did you mean {meant}?")),
     }
+}
+
+/// The longest word that is held against keys: no slip of the finger makes a key longer.
+const LONGEST_SLIP: usize = 20;
+
+/// The key among those that the parser expects that a slip or two make of this one, the nearest first.
+fn alike<'a>(said: &'a str, key: &str) -> Option<&'a str> {
+    if key.len() > LONGEST_SLIP {
+        return None;
+    }
+    let (_, expected) = said.split_once(", expected ")?;
+    let keys = expected.split('`').skip(1).step_by(2).map(|known| (slips(key, known), known));
+    let (slips, known) = keys.min_by_key(|&(slips, _)| slips)?;
+    // Of a short word, two slips leave nothing.
+    (slips <= (known.len() / 3).min(2)).then_some(known)
+}
+
+/// How many letters are to be added, left out or changed to make one word of the other (Levenshtein 1966).
+fn slips(from: &str, to: &str) -> usize {
+    let mut row: Vec<usize> = (0..=to.chars().count()).collect();
+    for (index, letter) in from.chars().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], index + 1);
+        for (column, other) in to.chars().enumerate() {
+            let changed = diagonal + usize::from(letter != other);
+            diagonal = row[column + 1];
+            row[column + 1] = changed.min(diagonal + 1).min(row[column] + 1);
+        }
+    }
+    row[to.chars().count()]
 }
 
 /// What is said of a name that is there twice.

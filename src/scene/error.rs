@@ -13,12 +13,15 @@ use crate::simulation::BuildError;
 pub enum SceneError {
     /// Neither a built-in scene nor a scene file has this name.
     #[error(
-        "there is no scene \"{name}\"; choose from: {}; or give the path of a .toml file",
-        super::catalogue::names().join(", ")
+        "there is no scene \"{name}\"; choose from: {}; or {}",
+        super::catalogue::names().join(", "),
+        or_a_file(name, *is_file)
     )]
     Unknown {
         /// The name as it was given.
         name: String,
+        /// Whether a file is called so: without folder and ending, a name is that of a built-in scene.
+        is_file: bool,
     },
     /// The file cannot be read.
     #[error("{}: {source}; give the path of a scene file, or a built-in scene's name", path.display())]
@@ -60,6 +63,15 @@ pub enum SceneError {
     /// The world and its balls do not go together.
     #[error(transparent)]
     Build(#[from] BuildError),
+}
+
+/// What to write instead of a name that is no scene's, for a file.
+fn or_a_file(name: &str, is_file: bool) -> String {
+    if is_file {
+        format!("for the file of that name write ./{name}")
+    } else {
+        "give the path of a .toml file".to_owned()
+    }
 }
 
 /// Something wrong in a scene's text: where, what, and what to write instead.

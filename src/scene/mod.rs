@@ -129,7 +129,7 @@ impl Scene {
         }
         let path = Path::new(name);
         if path.extension().is_none() && path.components().count() <= 1 {
-            return Err(SceneError::Unknown { name: name.to_owned() });
+            return Err(SceneError::Unknown { name: name.to_owned(), is_file: path.is_file() });
         }
         let source = read(path)?;
         if source.starts_with(REPLAY) {
@@ -254,11 +254,18 @@ impl Scene {
         for (stream, fill) in (0..).zip(&self.fills) {
             let placed = fill.place(&self.world, &balls, stream);
             if placed.len() < fill.count {
-                let message = format!(
-                    "only {} of the fill's {} balls found room; write a smaller count or radius, or a larger region or size",
-                    placed.len(),
-                    fill.count
-                );
+                let found = format!("only {} of the fill's {} balls found room", placed.len(), fill.count);
+                let size = self.world.size();
+                // A file's regions lie in the world that it asks for; --size may ask for another.
+                let message = if fill.region.is_some_and(|(_, high)| !high.cmple(size).all()) {
+                    format!(
+                        "{found}: its region reaches beyond this world of {}x{} px; ask for a larger --size, or write \
+                         another region",
+                        size.x, size.y
+                    )
+                } else {
+                    format!("{found}; write a smaller count or radius, or a larger region or size")
+                };
                 return Err(SceneError::Wrong(Fault::at(&self.origin, &self.source, fill.offset, &message)));
             }
             balls.extend(placed);

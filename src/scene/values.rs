@@ -14,6 +14,9 @@ use crate::simulation::limits::Quantity;
 #[derive(Clone, Copy)]
 pub(super) struct Number(pub(super) f64);
 
+/// What a pair is called where there is something else; `advice` adds an example of the key.
+pub(super) const TWO_NUMBERS: &str = "two numbers";
+
 /// Two numbers: x and y.
 #[derive(Clone, Copy)]
 pub(super) struct Pair(pub(super) DVec2);
@@ -62,6 +65,14 @@ impl Corners {
         if !(low.cmpge(DVec2::ZERO).all() && high.cmple(size).all()) {
             return Err(format!(
                 "region is [{left}, {top}, {right}, {bottom}]; left, top, right and bottom must lie in the world, {world}"
+            ));
+        }
+        if !low.cmple(high).all() {
+            let (low, high) = (low.min(high), low.max(high));
+            return Err(format!(
+                "region is [{left}, {top}, {right}, {bottom}]; write left before right and top before bottom, the \
+                 smaller number first: [{}, {}, {}, {}]",
+                low.x, low.y, high.x, high.y
             ));
         }
         if !(high - low).cmpge(DVec2::splat(2.0 * radius)).all() {
@@ -150,7 +161,7 @@ impl<'de> Deserialize<'de> for Count {
 
 impl<'de> Deserialize<'de> for Pair {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let [x, y] = deserializer.deserialize_any(Numbers("two numbers, such as [30, 50]"))?;
+        let [x, y] = deserializer.deserialize_any(Numbers(TWO_NUMBERS))?;
         Ok(Self(DVec2::new(x, y)))
     }
 }
