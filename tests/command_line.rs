@@ -140,6 +140,32 @@ fn results_on_standard_output_are_not_mixed_with_the_summary() {
 }
 
 #[test]
+fn standard_output_has_one_output_by_whatever_name() {
+    let here = folder();
+    for name in ["/dev/fd/1", "/proc/self/fd/1"] {
+        let run = ["run", "draw", "--trace", "-", "--summary", name];
+        fail(&here, &run, 2, "two outputs go to standard output");
+        assert!(succeed(&here, &["run", "draw", "--trace", name]).starts_with("frame,time,ball,"));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_file_that_standard_output_goes_to_is_no_place_for_another_output() {
+    let here = folder();
+    let into = |name: &str, args: &[&str]| {
+        let file = fs::File::create(here.path().join(name)).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_carom"));
+        command.current_dir(here.path()).args(args).stdout(file).output().unwrap()
+    };
+    let output = into("all.txt", &["run", "draw", "--trace", "-", "--summary", "all.txt"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("two outputs go to all.txt;"), "{}", stderr(&output));
+    let output = into("all.txt", &["run", "draw", "--trace", "-", "--summary", "other.txt"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[test]
 fn a_file_with_the_name_of_no_scene_is_found_by_its_path() {
     let here = folder();
     fs::write(here.path().join("noext"), "").unwrap();

@@ -39,12 +39,27 @@ fn remedy(path: &Path, source: &io::Error) -> &'static str {
 
 /// Whether this path means standard output.
 pub(super) fn is_stdout(path: &Path) -> bool {
-    path == Path::new("-") || path == Path::new("/dev/stdout")
+    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].into_iter().any(|name| path == Path::new(name))
 }
 
-/// The same path for all paths to the same place, as far as links to existing files and folders tell.
+/// Whether this is the file that standard output was sent to.
+#[cfg(unix)]
+fn is_behind_stdout(path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let files = fs::metadata(path).ok().zip(fs::metadata("/dev/stdout").ok());
+    // Into one device, /dev/null for instance, two may write.
+    files.is_some_and(|(one, other)| one.is_file() && (one.dev(), one.ino()) == (other.dev(), other.ino()))
+}
+
+#[cfg(not(unix))]
+fn is_behind_stdout(_: &Path) -> bool {
+    false
+}
+
+/// The same path for all paths to the same place, as far as links to existing files and folders tell; `-` for standard
+/// output and the file behind it.
 pub(super) fn canonical(path: &Path) -> PathBuf {
-    if is_stdout(path) {
+    if is_stdout(path) || is_behind_stdout(path) {
         return "-".into();
     }
     let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
