@@ -61,22 +61,33 @@ impl Check {
     ) -> Result<(), Box<Broken>> {
         self.ledger.check(simulation).map_err(|violation| {
             let path = PathBuf::from(format!("{}-frame-{}.toml", run.course.scene().name(), frame - 1));
+            let rain = if run.course.scene().rain().is_some() { RAIN_IS_LEFT_OUT } else { "" };
             let text = format!(
                 "# `carom run {} --check` broke the law of {} in frame {frame}: {violation}.\n\
                  # This is the frame before, at {:?} s. The frame that follows:\n\
                  # echo {delta:?} | carom run {} --check --deltas /dev/stdin\n\
                  # What a solver remembers beside the balls (who rests, who sleeps) is not in it: where that frame\n\
-                 # keeps the laws, the first command breaks them still.\n\n{}",
-                run.course.scene().argument(),
+                 # keeps the laws, the first command breaks them still.\n{rain}\n{}",
+                in_shell(run.course.scene().argument()),
                 violation.law.name(),
                 self.ledger.time_before(),
-                path.display(),
+                in_shell(&path.to_string_lossy()),
                 scene_file(simulation, self.ledger.before()),
             );
             let written = Output::create(&path).and_then(|output| output.complete(text.as_bytes()));
             Box::new(Broken { frame, time: simulation.time(), violation, file: written.map(|()| path) })
         })
     }
+}
+
+/// What is said of rain, which a scene file can only begin anew, from its first balls.
+const RAIN_IS_LEFT_OUT: &str =
+    "# The balls that had rained in are in it, the rain is not: what falls in with that frame is missing.\n";
+
+/// A word of a command as a shell takes it: in quotes where it has characters that mean something there.
+fn in_shell(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./+,:@%".contains(c);
+    if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 
 /// The world and the solver of `simulation`, with `balls`, as a scene file.
@@ -90,6 +101,18 @@ fn scene_file(simulation: &Simulation, balls: &[Ball]) -> String {
 mod tests {
     use super::*;
     use crate::Scene;
+
+    #[test]
+    fn a_command_is_one_that_a_shell_takes() {
+        for (word, taken) in [
+            ("scenes/a-1.toml", "scenes/a-1.toml"),
+            ("two words.toml", "'two words.toml'"),
+            ("it's.toml", "'it'\\''s.toml'"),
+            ("$(ls).toml", "'$(ls).toml'"),
+        ] {
+            assert_eq!(in_shell(word), taken);
+        }
+    }
 
     #[test]
     fn a_scene_left_behind_is_the_frame_to_the_last_bit() {

@@ -219,6 +219,34 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_left_behind_says_that_the_rain_is_not_in_it() {
+        let rain = "size = [400, 300]\n[walls]\n[[ball]]\nposition = [200, 150]\nradius = 5\n[rain]\nrate = 1\n\
+                    radius = 2\n";
+        let mut doctored = checked(rain);
+        let Course::Frames(scene, _) = &mut doctored.course else { panic!("no replay") };
+        **scene = Scene::parse("it rains.toml", rain).unwrap();
+        let faster = rain.replace("radius = 5", "radius = 5\nvelocity = [31, 0]");
+        let mut other = Some(Scene::parse("faster.toml", &faster).unwrap().build().unwrap());
+        let result = run_by(&doctored, |player, frame| {
+            let Player::Frames { simulation, .. } = player else { panic!("no replay") };
+            if frame == 1 {
+                **simulation = other.take().unwrap();
+            }
+            player.advance(frame)
+        });
+        let Err(RunError::Broken(broken)) = result else { panic!("{result:?}") };
+        let path = broken.file.as_ref().unwrap();
+        let text = std::fs::read_to_string(path).unwrap();
+        std::fs::remove_file(path).unwrap();
+        for part in
+            ["`carom run 'it rains.toml' --check`", "carom run 'it rains-frame-1.toml'", "the rain is not"]
+        {
+            assert!(text.contains(part), "{part} is not in: {text}");
+        }
+        assert!(Scene::parse("left.toml", &text).is_ok());
+    }
+
+    #[test]
     fn the_first_frame_that_breaks_a_law_ends_the_run_and_leaves_the_frame_before() {
         let scene =
             "size = [400, 300]\n[walls]\n[[ball]]\nposition = [200, 150]\nradius = 5\nvelocity = [30, 0]\n";
