@@ -120,7 +120,12 @@ fn zero_seconds_are_one_frame_and_the_summary_is_readable() {
     let here = folder();
     let text = succeed(&here, &["run", "gravity", "--seconds", "0"]);
     assert!(text.contains("gravity with 15 balls, solver exact"), "{text}");
-    assert!(text.contains("0.000000 s in 1 frames"), "{text}");
+    assert!(text.contains("0.000000 s in 1 frame\n"), "{text}");
+    assert!(
+        text.contains("at most 0.0000 of a radius between balls, 0.0000 with walls, over the run"),
+        "{text}"
+    );
+    assert!(text.contains(" %)\n"), "{text}");
 }
 
 #[test]
@@ -128,7 +133,7 @@ fn results_on_standard_output_are_not_mixed_with_the_summary() {
     let here = folder();
     let output = carom(&here, &["run", "draw", "--seconds", "0", "--image", "-"]);
     assert!(output.stdout.starts_with(b"\x89PNG\r\n\x1a\n") && output.stdout.ends_with(b"IEND\xaeB`\x82"));
-    assert!(stderr(&output).contains("draw with 1 balls"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("draw with 1 ball,"), "{}", stderr(&output));
     fail(&here, &["run", "draw", "--image", "-", "--trace", "-"], 2, "two outputs go to standard output");
     fail(
         &here,
@@ -163,6 +168,14 @@ fn the_file_that_standard_output_goes_to_is_no_place_for_another_output() {
     assert!(stderr(&output).contains("two outputs go to all.txt;"), "{}", stderr(&output));
     let output = into("all.txt", &["run", "draw", "--trace", "-", "--summary", "other.txt"]);
     assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[test]
+fn energy_that_fell_in_is_no_error_of_the_solver() {
+    let here = folder();
+    let rained = succeed(&here, &["run", "rain", "--seconds", "1"]);
+    let energy = rained.lines().find(|line| line.starts_with("energy")).unwrap();
+    assert!(energy.ends_with("; balls fell in meanwhile") && !energy.contains('%'), "{energy}");
 }
 
 #[test]

@@ -75,6 +75,16 @@ impl<'a> Player<'a> {
         }
     }
 
+    /// What has changed the balls' energy, beside the solver.
+    pub(super) fn fed(&self) -> Option<&'static str> {
+        match self {
+            Self::Frames { rain, .. } => {
+                rain.as_ref().filter(|rain| rain.energy() != 0.0).map(|_| "balls fell in meanwhile")
+            }
+            Self::Replay(_) => Some("what was done in the window is played, too"),
+        }
+    }
+
     /// Plays what comes after the last frame, changes of a replay, and tells what was refused of them all.
     pub(super) fn finish(&mut self) -> Result<Option<&Refused>, crate::OutOfRange> {
         let Self::Replay(replay) = self else { return Ok(None) };

@@ -182,7 +182,7 @@ fn run_by(
         // Standard error may be gone; the results are not there.
         let _ = writeln!(io::stderr(), "carom: {refused}");
     }
-    let summary = Summary::new(run.course.scene().name(), player.simulation(), &watched);
+    let summary = Summary::new(run.course.scene().name(), player.simulation(), &watched, player.fed());
     outputs.finish(player.simulation(), &summary)?;
     Ok(summary)
 }

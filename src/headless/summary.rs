@@ -42,6 +42,9 @@ pub struct Summary {
     pub max_wall_overlap: f64,
     /// Balls with a NaN or an infinity at the end.
     pub non_finite: usize,
+    /// What else has changed the energy, beside the solver; not in the JSON.
+    #[serde(skip)]
+    pub(super) fed: Option<&'static str>,
 }
 
 /// What is watched while a run goes on; the fields are those of [`Summary`].
@@ -55,7 +58,12 @@ pub(super) struct Watched {
 }
 
 impl Summary {
-    pub(super) fn new(scene: &str, simulation: &Simulation, watched: &Watched) -> Self {
+    pub(super) fn new(
+        scene: &str,
+        simulation: &Simulation,
+        watched: &Watched,
+        fed: Option<&'static str>,
+    ) -> Self {
         let balls = simulation.balls();
         let ball_frames = balls.len().max(1) as f64 * watched.frames.max(1) as f64;
         let tally = simulation.tally();
@@ -76,15 +84,22 @@ impl Summary {
             max_overlap: watched.max_overlap,
             max_wall_overlap: watched.max_wall_overlap,
             non_finite: non_finite(balls),
+            fed,
         }
     }
+}
+
+/// A number of things, and what they are called.
+fn counted(count: u64, name: &str) -> String {
+    format!("{count} {name}{}", if count == 1 { "" } else { "s" })
 }
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let energy = self.kinetic_energy + self.potential_energy;
-        writeln!(f, "scene        {} with {} balls, solver {}", self.scene, self.balls, self.solver)?;
-        writeln!(f, "simulated    {:.6} s in {} frames", self.seconds, self.frames)?;
+        let balls = counted(self.balls as u64, "ball");
+        writeln!(f, "scene        {} with {balls}, solver {}", self.scene, self.solver)?;
+        writeln!(f, "simulated    {:.6} s in {}", self.seconds, counted(self.frames, "frame"))?;
         writeln!(
             f,
             "run time     {:.6} s, {:.1} ns per ball and frame",
@@ -92,7 +107,9 @@ impl fmt::Display for Summary {
         )?;
         writeln!(f, "impacts      {} between balls, {} on walls", self.collisions, self.wall_hits)?;
         write!(f, "energy       {energy:.6e}, at the start {:.6e}", self.energy_start)?;
-        if self.energy_start > 0.0 {
+        if let Some(fed) = self.fed {
+            write!(f, "; {fed}")?;
+        } else if self.energy_start > 0.0 {
             // Adding zero turns a rounded −0 into 0.
             let change = (1e5 * (energy / self.energy_start - 1.0)).round() / 1e3 + 0.0;
             write!(f, " ({change:+.3} %)")?;
@@ -101,9 +118,9 @@ impl fmt::Display for Summary {
         writeln!(f, "momentum     [{:.6e}, {:.6e}]", self.momentum[0], self.momentum[1])?;
         writeln!(
             f,
-            "overlap      {:.4} of a radius between balls, {:.4} with walls",
+            "overlap      at most {:.4} of a radius between balls, {:.4} with walls, over the run",
             self.max_overlap, self.max_wall_overlap
         )?;
-        write!(f, "not finite   {} balls", self.non_finite)
+        write!(f, "not finite   {}", counted(self.non_finite as u64, "ball"))
     }
 }
