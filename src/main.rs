@@ -186,11 +186,13 @@ fn list_scenes(json: bool) -> Result<(), Failure> {
 
 /// The scenes as a table for people.
 fn table(list: &[carom::scene::Listing]) -> String {
-    let mut text = format!("{:<10} {:>5}  {:<8} {:<40} leaves out\n", "scene", "balls", "solver", "uses");
-    for scene in list {
-        let (uses, leaves_out) = (scene.uses.join(", "), scene.leaves_out.join(", "));
-        let line =
-            format!("{:<10} {:>5}  {:<8} {uses:<40} {leaves_out}", scene.name, scene.balls, scene.solver);
+    let uses: Vec<String> = list.iter().map(|scene| scene.uses.join(", ")).collect();
+    let width = uses.iter().map(String::len).max().unwrap_or_default();
+    let mut text =
+        format!("{:<10} {:>5}  {:<8} {:<width$}  leaves out\n", "scene", "balls", "solver", "uses");
+    for (scene, uses) in list.iter().zip(uses) {
+        let (name, leaves_out) = (&scene.name, scene.leaves_out.join(", "));
+        let line = format!("{name:<10} {:>5}  {:<8} {uses:<width$}  {leaves_out}", scene.balls, scene.solver);
         text += &format!("{}\n{:<16}  {}\n", line.trim_end(), "", scene.about);
     }
     text

@@ -179,6 +179,19 @@ fn energy_that_fell_in_is_no_error_of_the_solver() {
 }
 
 #[test]
+fn the_scenes_are_listed_in_columns() {
+    let here = folder();
+    let list = succeed(&here, &["scenes"]);
+    let column = list.lines().next().unwrap().find("leaves out").unwrap();
+    let rows: Vec<&str> = list.lines().skip(1).step_by(2).collect();
+    assert!(rows.iter().any(|row| row.len() > column));
+    for row in rows.iter().filter(|row| row.len() > column) {
+        assert!(row[..column].ends_with("  ") && row.as_bytes()[column] != b' ', "{row}");
+    }
+    assert!(rows.iter().all(|row| row.len() > column || row.trim_end().len() <= column - 2), "{list}");
+}
+
+#[test]
 fn a_file_with_the_name_of_no_scene_is_found_by_its_path() {
     let here = folder();
     fs::write(here.path().join("noext"), "").unwrap();
