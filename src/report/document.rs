@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-/// One part of the report: its text, its files, what is to be said first of it, and what failed in it.
+/// One part of the report: its text, its files, what is to be said first of it, and what failed or ran out of time in it.
 #[derive(Debug, Default)]
 pub(super) struct Section {
     pub(super) text: String,

@@ -34,7 +34,7 @@
 //! measured by the distance of Kolmogorov and Smirnov.
 //!
 //! *Stability*: each case states what must hold and up to which figure; a cell has held, is degraded with its figure,
-//! or has failed with what happened. Each runs in a process of its own, so that what hangs, aborts or takes all memory
+//! ran out of time, or has failed with what happened. Each runs in a process of its own, so that what hangs, aborts or takes all memory
 //! is measured, too.
 
 mod accuracy;
@@ -298,10 +298,10 @@ fn introduction(options: &Options, sections: &[Section]) -> String {
 
 fn failures(sections: &[Section]) -> String {
     let mut section = Section::default();
-    section.heading("What failed");
+    section.heading("What failed or ran out of time");
     let failures: Vec<&String> = sections.iter().flat_map(|section| &section.failures).collect();
     if failures.is_empty() {
-        section.say("Nothing that was measured here failed.");
+        section.say("Nothing that was measured here failed, and all came to its end.");
     } else {
         let lines: Vec<String> = failures.iter().map(|failure| format!("- {failure}")).collect();
         section.say(lines.join("\n"));

@@ -135,7 +135,7 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
                 table.row(vec![
                     solver.to_string(),
                     setting.to_string(),
-                    format!("failed: {why}"),
+                    format!("given up: {why}"),
                     "–".to_owned(),
                     "–".to_owned(),
                     "–".to_owned(),

@@ -95,7 +95,7 @@ pub(super) fn table(problem: &Problem, points: &[Point]) -> Table {
                 cells.extend(problem.impacts.map(|wanted| format!("{impacts} of {wanted}")));
             }
             Err(why) => {
-                cells.extend([format!("failed: {why}"), "–".to_owned(), "–".to_owned()]);
+                cells.extend([format!("given up: {why}"), "–".to_owned(), "–".to_owned()]);
                 cells.extend(problem.impacts.map(|_| "–".to_owned()));
             }
         }

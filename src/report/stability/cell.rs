@@ -15,6 +15,8 @@ use crate::simulation::{Ball, Simulation, Solver, World};
 pub(in crate::report) enum Verdict {
     Held,
     Degraded,
+    /// It did not come to its end in the time that it had.
+    RanOut,
     Failed,
 }
 
@@ -23,6 +25,7 @@ impl Verdict {
         match self {
             Self::Held => "held",
             Self::Degraded => "degraded",
+            Self::RanOut => "ran out of time",
             Self::Failed => "failed",
         }
     }
@@ -51,6 +54,10 @@ impl Cell {
             run_seconds: 0.0,
             simulated: 0.0,
         }
+    }
+
+    pub(super) fn ran_out(why: impl Into<String>) -> Self {
+        Self { verdict: Verdict::RanOut, ..Self::failed(why) }
     }
 }
 
@@ -119,7 +126,7 @@ pub(super) fn measure(case: &Case, solver: Solver, limit: Duration) -> Cell {
 fn late(simulation: &Simulation, steps: &[Step], used: Duration) -> Cell {
     let (all, used) = (seconds(steps), used.as_secs_f64());
     let why = format!("came to {} s of {} s in {}", rounded(simulation.time()), rounded(all), duration(used));
-    Cell { run_seconds: used, simulated: simulation.time(), ..Cell::failed(why) }
+    Cell { run_seconds: used, simulated: simulation.time(), ..Cell::ran_out(why) }
 }
 
 /// The verdict on a run that came to its end.

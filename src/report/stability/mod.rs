@@ -62,9 +62,9 @@ pub(super) fn section(only: Option<&str>, program: Option<&Path>, context: &mut 
     section.heading("Stability");
     section.say(format!(
         "Each case is run with each solver as it is used ({} s of run time at most). **Held** means that every criterion \
-         beside the case was met; **degraded**, that one was not, with its figure; **failed**, that one was missed by \
-         far, that a number was not finite, or that the run did not come to its end, with what happened. Where nothing \
-         else is said, time goes in frames of 1/60 s. Overlaps and escapes are in radii of the smaller ball, energies \
+         beside the case was met; **degraded**, that one was not, with its figure; **ran out of time**, that the run \
+         was slower than that; **failed**, that a criterion was missed by far, that a number was not finite, or that \
+         the program ended or took all memory, with what happened. Where nothing else is said, time goes in frames of 1/60 s. Overlaps and escapes are in radii of the smaller ball, energies \
          and momenta in parts of what there is at the start (of momenta, the sum of their sizes). Slower than the time \
          that it simulates is degraded, too, if it takes longer than 0.1 s.",
         limit(context.quick).as_secs_f64()
@@ -75,7 +75,7 @@ pub(super) fn section(only: Option<&str>, program: Option<&Path>, context: &mut 
     let mut csv =
         Csv::new("case,solver,verdict,why,criterion,value,held_to,failed_from,run_seconds,simulated_seconds");
     // Of each solver, its verdicts.
-    let mut counts = [[0_usize; 3]; Solver::ALL.len()];
+    let mut counts = [[0_usize; 4]; Solver::ALL.len()];
     for case in chosen(only) {
         let mut cells = vec![format!("`{}`: {}", case.name, case.what), case.criteria_text()];
         for (column, &solver) in Solver::ALL.iter().enumerate() {
@@ -84,20 +84,30 @@ pub(super) fn section(only: Option<&str>, program: Option<&Path>, context: &mut 
             cells.push(text(&cell));
             write(&mut csv, &case, solver, &cell);
             counts[column][cell.verdict as usize] += 1;
-            if cell.verdict == Verdict::Failed {
-                section.failures.push(format!("{}: `{solver}`: {}.", case.name, cell.why));
+            match cell.verdict {
+                Verdict::Held | Verdict::Degraded => {}
+                Verdict::RanOut => {
+                    section
+                        .failures
+                        .push(format!("{}: `{solver}` ran out of time: {}.", case.name, cell.why));
+                }
+                Verdict::Failed => section.failures.push(format!("{}: `{solver}`: {}.", case.name, cell.why)),
             }
         }
         table.row(cells);
     }
-    for (&solver, [held, degraded, failed]) in Solver::ALL.iter().zip(counts) {
-        let all = held + degraded + failed;
+    for (&solver, [held, degraded, ran_out, failed]) in Solver::ALL.iter().zip(counts) {
+        let all = held + degraded + ran_out + failed;
         section.in_short.push(format!(
-            "Of {all} stiff and extreme cases, `{solver}` held {held}, was degraded in {degraded} and failed in {failed}."
+            "Of {all} stiff and extreme cases, `{solver}` held {held}, was degraded in {degraded}, ran out of time in \
+             {ran_out} and failed in {failed}."
         ));
     }
-    let mut totals = vec!["**all**".to_owned(), "held, degraded, failed".to_owned()];
-    totals.extend(counts.map(|[held, degraded, failed]| format!("**{held}, {degraded}, {failed}**")));
+    let mut totals = vec!["**all**".to_owned(), "held, degraded, ran out of time, failed".to_owned()];
+    totals.extend(
+        counts
+            .map(|[held, degraded, ran_out, failed]| format!("**{held}, {degraded}, {ran_out}, {failed}**")),
+    );
     table.row(totals);
     section.say(table.markdown());
     section.files.push(csv.file("stability.csv"));
@@ -106,9 +116,8 @@ pub(super) fn section(only: Option<&str>, program: Option<&Path>, context: &mut 
 
 fn text(cell: &Cell) -> String {
     let verdict = match cell.verdict {
-        Verdict::Held => "held",
-        Verdict::Degraded => "degraded",
-        Verdict::Failed => "**failed**",
+        Verdict::Held | Verdict::Degraded => cell.verdict.name().to_owned(),
+        Verdict::RanOut | Verdict::Failed => format!("**{}**", cell.verdict.name()),
     };
     let why = if cell.why.is_empty() { String::new() } else { format!(": {}", cell.why) };
     format!("{verdict}{why} ({})", duration(cell.run_seconds))
@@ -181,6 +190,14 @@ mod tests {
     /// A window that shrinks over a pile takes longer than a test may, in overlaps and creeping, till all are apart and
     /// at rest.
     const EXACT_MISSES: &[&str] = &["shrinking-window"];
+
+    #[test]
+    fn what_takes_too_long_ran_out_of_time_and_broke_nothing() {
+        let case = cases::all().into_iter().find(|case| case.name == "hour-elastic").unwrap();
+        let cell = cell::measure(&case, Solver::Contact, Duration::ZERO);
+        assert_eq!((cell.verdict, cell.values.len()), (Verdict::RanOut, 0), "{cell:?}");
+        assert!(text(&cell).starts_with("**ran out of time**: came to "), "{}", text(&cell));
+    }
 
     #[test]
     fn canvas_fails_where_the_demo_does() {

@@ -30,7 +30,10 @@ pub(super) fn cell(program: &Path, name: &str, quick: bool, limit: Duration) -> 
         Ok(Ended::Itself(status, text)) if status.success() => serde_json::from_str(&text)
             .unwrap_or_else(|error| failed(format!("its result is no result: {error}"))),
         Ok(Ended::Itself(status, _)) => failed(format!("it aborted ({status})")),
-        Ok(Ended::Late) => failed(format!("a frame did not end within {}", duration(used))),
+        Ok(Ended::Late) => {
+            let why = format!("a frame did not end within {}", duration(used));
+            Cell { run_seconds: used, ..Cell::ran_out(why) }
+        }
         Ok(Ended::TooLarge) => failed(format!("it took more than {} GiB of memory", MOST_MEMORY >> 30)),
         Err(error) => failed(format!("its process did not run: {error}")),
     }
