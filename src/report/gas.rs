@@ -124,15 +124,17 @@ pub(super) fn steps() -> usize {
 pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
     let (world, balls) = start()?;
     let mut section = Section::default();
+    // About 1100 hits a second.
+    let chance = (1100.0 * seconds(context.quick)).sqrt().recip();
     section.heading("A gas, by its statistics");
     section.say(format!(
         "{COUNT} elastic balls of radius {RADIUS} px cover {ETA} of a box and have come to equilibrium; each run goes on \
-         from there for {} s. Energy must not change. The compressibility Z = PA/NkT, from the hits on the walls, must be \
+         from there for {} s. Energy must not change but for rounding. The compressibility Z = PA/NkT, from the hits on the walls, must be \
          {PUBLISHED} (Clisby & McCoy 2006), and speeds must be Maxwell's; the runs are so short that chance alone moves \
          both: the pressure by about {} %, which is the root of the number of hits. `canvas` lets balls overlap, which takes room away from \
          none of them: its pressure is too low where frames are long.",
         seconds(context.quick),
-        rounded(100.0 / (1100.0 * seconds(context.quick)).sqrt()),
+        rounded(100.0 * chance),
     ));
     let mut csv = Csv::new(
         "solver,quantity,setting,energy_change,compressibility,published,speeds_off,seconds_median,runs,outcome",
@@ -177,37 +179,43 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
         }
     }
     section.say(table.markdown());
-    let used = found.iter().filter(|(setting, _)| *setting == Setting::default_of(setting.solver()));
+    let used = found.iter().filter(|(setting, _)| setting.is_default());
     section.in_short.extend(used.map(|(setting, statistics)| {
-        let off = 100.0 * (statistics.compressibility / PUBLISHED - 1.0);
-        format!("The pressure of a gas is {off:+.1} % off with `{}`, {setting}.", setting.solver())
+        let off = in_words(statistics.compressibility / PUBLISHED - 1.0);
+        format!(
+            "The pressure of a gas is {off} with `{}`, {setting}; chance alone moves it by about {} %.",
+            setting.solver(),
+            rounded(100.0 * chance)
+        )
     }));
     let figure = figure(&found);
-    section
-        .picture(&figure.name, "A gas: error of its pressure, and change of its energy, against run time.");
+    let about = format!(
+        "A gas: error of its pressure against run time. What is below {} is chance.",
+        rounded(chance)
+    );
+    section.picture(&figure.name, &about);
     section.files.extend(figure.files()?);
     section.files.push(csv.file("gas.csv"));
     Ok(section)
 }
 
+/// How far off a quantity is, a part of it, as people say it.
+fn in_words(off: f64) -> String {
+    format!("{:.1} % too {}", 100.0 * off.abs(), if off < 0.0 { "low" } else { "high" })
+}
+
 fn figure(found: &[(Setting, Statistics)]) -> Figure {
-    let panel = |title: &str, label: &'static str, least: f64, value: fn(&Statistics) -> f64| {
-        Panel::of_solvers(title, label, String::new(), |solver| {
-            let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
-            let dot = |(_, statistics): &(Setting, Statistics)| Dot {
-                x: statistics.times.median,
-                y: value(statistics).max(least),
-                spread: Some(statistics.times.quartiles),
-            };
-            own.map(dot).collect()
-        })
-    };
-    let pressure = |statistics: &Statistics| (statistics.compressibility / PUBLISHED - 1.0).abs();
-    let panels = vec![
-        panel("A gas: its pressure", "relative error of Z", 1e-4, pressure),
-        panel("A gas: its energy", "relative change of energy", 1e-16, |statistics| statistics.energy),
-    ];
-    Figure { name: "gas".to_owned(), columns: 2, panels }
+    let panel = Panel::of_solvers("A gas: its pressure", "relative error of Z", String::new(), |solver| {
+        let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
+        let dot = |(setting, statistics): &(Setting, Statistics)| Dot {
+            x: statistics.times.median,
+            y: (statistics.compressibility / PUBLISHED - 1.0).abs().max(1e-4),
+            spread: Some(statistics.times.quartiles),
+            used: setting.is_default(),
+        };
+        own.map(dot).collect()
+    });
+    Figure { name: "gas".to_owned(), columns: 1, panels: vec![panel] }
 }
 
 #[cfg(test)]
@@ -221,6 +229,12 @@ mod tests {
         assert!(statistics.energy < 1e-12);
         assert!((statistics.compressibility / PUBLISHED - 1.0).abs() < 0.05, "{statistics:?}");
         assert!(statistics.speeds < 0.05, "{statistics:?}");
+    }
+
+    #[test]
+    fn a_pressure_is_too_low_or_too_high() {
+        assert_eq!(in_words(-0.335), "33.5 % too low");
+        assert_eq!(in_words(0.027), "2.7 % too high");
     }
 
     #[test]

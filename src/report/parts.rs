@@ -175,13 +175,23 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
     section.say(table.markdown());
     section.in_short.extend(in_short(&all));
     let figure = figure(&all);
-    section.picture(
-        &figure.name,
-        "Cost of the demo's stages, in the order in which each adds an idea to the one before.",
-    );
+    section.picture(&figure.name, &caption(&all));
     section.files.extend(figure.files()?);
     section.files.push(csv.file("parts.csv"));
     Ok(section)
+}
+
+/// What the figure shows, and which of its marks are not there.
+fn caption(all: &[(&str, Solver, Vec<Cost>)]) -> String {
+    let mut text = "Cost of a scene with all of its parts: the demo's stages, each of which adds an idea to those before, and \
+                    three other scenes."
+        .to_owned();
+    for (scene, solver, costs) in all {
+        if let Some(Cost { nanoseconds: Err(why), .. }) = costs.last() {
+            text += &format!(" `{solver}` has no mark for `{scene}`, where it was given up: {why}.");
+        }
+    }
+    text
 }
 
 /// What all parts of the demo's last stage cost, beside its floor.
@@ -259,6 +269,21 @@ fn figure(all: &[(&str, Solver, Vec<Cost>)]) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mark_that_is_not_there_is_spoken_of() {
+        let cost = |nanoseconds| vec![Cost { stage: Stage::Motion, nanoseconds, parts: Vec::new() }];
+        let spread = repeat(&Context::quick().effort, || Ok::<f64, String>(1.0)).unwrap();
+        let late = Err("3 of 30 frames in 0.30 s".to_owned());
+        let text = caption(&[("gas", Solver::Exact, cost(Ok(spread))), ("pile", Solver::Exact, cost(late))]);
+        assert!(
+            text.ends_with(
+                "`exact` has no mark for `pile`, where it was given up: 3 of 30 frames in 0.30 s."
+            ),
+            "{text}"
+        );
+        assert!(!text.contains("`gas`"), "{text}");
+    }
 
     #[test]
     fn what_a_scene_does_not_ask_for_does_not_run() {

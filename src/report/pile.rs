@@ -99,7 +99,8 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
     section.say(format!(
         "{COUNT} balls of radius 3 to 6 px, e = 0.7, fall into a box and lie on each other; in the last second of {SECONDS} \
          their overlaps (in radii of the smaller ball, the mean over pairs that touch, and the largest) and their speeds \
-         (root mean square) should be nothing. The run time is that of one run. No overlap at all is drawn as 10⁻¹².",
+         (root mean square) should be nothing. The run time is that of one run. No overlap and no motion at all are drawn \
+         as 10⁻¹².",
     ));
     let mut csv =
         Csv::new("solver,quantity,setting,mean_overlap,most_overlap,rms_speed_px_per_s,seconds,outcome");
@@ -146,7 +147,7 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
         }
     }
     section.say(table.markdown());
-    let used = found.iter().filter(|(setting, _)| *setting == Setting::default_of(setting.solver()));
+    let used = found.iter().filter(|(setting, _)| setting.is_default());
     section.in_short.extend(used.map(|(setting, rest)| {
         let (overlap, time) = (rounded(rest.most_overlap), duration(rest.seconds));
         format!(
@@ -173,7 +174,11 @@ fn figure(found: &[(Setting, Rest)], tried: &[Setting]) -> Figure {
     let panel = |title: &str, label: &'static str, value: fn(&Rest) -> f64| {
         Panel::of_solvers(title, label, note.clone(), |solver| {
             let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
-            own.map(|(_, rest)| Dot::at(rest.seconds, value(rest).max(1e-12))).collect()
+            let dot = |(setting, rest): &(Setting, Rest)| Dot {
+                used: setting.is_default(),
+                ..Dot::at(rest.seconds, value(rest).max(1e-12))
+            };
+            own.map(dot).collect()
         })
     };
     let panels = vec![

@@ -82,6 +82,11 @@ impl Setting {
         }
     }
 
+    /// Whether a solver does this where it is told nothing.
+    pub(super) fn is_default(self) -> bool {
+        self == Self::default_of(self.solver())
+    }
+
     pub(super) fn solver(self) -> Solver {
         match self {
             Self::Frames(_) => Solver::Canvas,

@@ -35,12 +35,13 @@ fn own(points: &[Point], solver: Solver) -> impl Iterator<Item = &Point> {
 /// A solver's points, as far as they can be drawn.
 fn dots(points: &[Point], solver: Solver, at_end: bool) -> Vec<Dot> {
     own(points, solver)
-        .filter_map(|point| point.outcome.as_ref().ok())
-        .filter(|measured| measured.run.is_finite())
-        .map(|Measured { end, run, times, .. }| Dot {
+        .filter_map(|point| Some((point.setting, point.outcome.as_ref().ok()?)))
+        .filter(|(_, measured)| measured.run.is_finite())
+        .map(|(setting, Measured { end, run, times, .. })| Dot {
             x: times.median,
             y: if at_end { *end } else { *run }.max(LEAST_ERROR),
             spread: Some(times.quartiles),
+            used: setting.is_default(),
         })
         .collect()
 }

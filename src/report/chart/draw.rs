@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Places;
-use super::{Curve, FONT, Figure, GREY, Guide, LEGEND, Mark, NUMBERS, Panel, Style};
+use super::{Curve, Entry, FONT, Figure, GREY, Guide, LEGEND, Mark, NUMBERS, Panel, Style};
 
 type Area<DB> = DrawingArea<DB, Shift>;
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Places, Places>>;
@@ -23,6 +23,10 @@ const TITLE: u32 = 19;
 const LABEL: u32 = 16;
 const NUMBER: u32 = 15;
 const NOTE: u32 = 14;
+/// The height of a note's line, px.
+const NOTE_LINE: u32 = 16;
+/// The radius of a ring, px.
+const RING: u32 = 8;
 
 /// An error of the plotting library in words.
 fn told(error: impl Display) -> String {
@@ -41,16 +45,25 @@ pub(super) fn figure<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale
     let (panels, strip) = area.split_vertically(height - LEGEND * figure.legend_rows() as u32 * scale);
     let rows = figure.panels.len().div_ceil(figure.columns);
     for (area, one) in panels.split_evenly((rows, figure.columns)).iter().zip(&figure.panels) {
-        panel(area, one, scale)?;
+        panel(area, one, figure.has_notes(), scale)?;
     }
     legend(&strip, figure, scale)?;
     area.present().map_err(told)
 }
 
-fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, scale: u32) -> Result<(), String> {
-    let ((left, right), (bottom, top)) = (panel.x.ends(), panel.y.ends());
-    let mut builder = ChartBuilder::on(area);
-    builder.margin(8 * scale).margin_right(18 * scale).caption(&panel.title, text(TITLE, scale, INK));
+/// Draws a panel, with a line for a note where `noted`: in all panels of a figure, so that their frames are in line.
+fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, noted: bool, scale: u32) -> Result<(), String> {
+    let area = area.margin(8 * scale, 8 * scale, 8 * scale, 18 * scale);
+    let mut area = area.titled(&panel.title, text(TITLE, scale, INK)).map_err(told)?;
+    if noted {
+        let (line, below) = area.split_vertically(NOTE_LINE * scale);
+        let style = text(NOTE, scale, INK).pos(Pos::new(HPos::Right, VPos::Center));
+        let (width, height) = line.dim_in_pixel();
+        let at = (width as i32, height as i32 / 2);
+        line.draw(&Text::new(panel.note.clone(), at, style)).map_err(told)?;
+        area = below;
+    }
+    let mut builder = ChartBuilder::on(&area);
     builder.x_label_area_size(42 * scale).y_label_area_size(66 * scale);
     let numbers: TextStyle<'static> = (NUMBERS, NUMBER * scale).into_font().color(&INK);
     let mut chart = builder.build_cartesian_2d(panel.x.places(), panel.y.places()).map_err(told)?;
@@ -76,11 +89,6 @@ fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, scale: u32) -> Resu
     }
     for curve in &panel.curves {
         draw_curve(&mut chart, panel, curve, scale)?;
-    }
-    if !panel.note.is_empty() {
-        let style = text(NOTE, scale, INK).pos(Pos::new(HPos::Right, VPos::Bottom));
-        let at = (right - 0.015 * (right - left), bottom + 0.02 * (top - bottom));
-        chart.draw_series([Text::new(panel.note.clone(), at, style)]).map_err(told)?;
     }
     Ok(())
 }
@@ -135,25 +143,39 @@ fn draw_curve<DB: DrawingBackend>(
             chart.draw_series(LineSeries::new(ends, curve.style.colour.stroke_width(scale))).map_err(told)?;
         }
     }
-    let fill = curve.style.colour.filled();
-    let marked = places.iter().step_by(curve.marked);
-    match curve.style.mark {
-        Mark::Circle => {
-            chart.draw_series(marked.map(|&at| Circle::new(at, 4 * scale, fill))).map_err(told)?;
-        }
+    let marked = places.iter().step_by(curve.marked).copied().collect();
+    draw_marks(chart, curve.style.mark, curve.style, marked, scale)?;
+    let used = curve.dots.iter().zip(places).filter(|(dot, _)| dot.used).map(|(_, at)| at).collect();
+    draw_marks(chart, Mark::Ring, curve.style, used, scale)
+}
+
+fn draw_marks<DB: DrawingBackend>(
+    chart: &mut Chart<'_, DB>,
+    mark: Mark,
+    style: Style,
+    places: Vec<(f64, f64)>,
+    scale: u32,
+) -> Result<(), String> {
+    let (fill, places) = (style.colour.filled(), places.into_iter());
+    match mark {
+        Mark::Circle => chart.draw_series(places.map(|at| Circle::new(at, 4 * scale, fill))).map(drop),
         Mark::Triangle => {
-            chart.draw_series(marked.map(|&at| TriangleMarker::new(at, 6 * scale, fill))).map_err(told)?;
+            chart.draw_series(places.map(|at| TriangleMarker::new(at, 6 * scale, fill))).map(drop)
         }
         Mark::Square => {
-            let square = |&at: &(f64, f64)| {
+            let square = |at: (f64, f64)| {
                 let half = 4 * scale as i32;
                 EmptyElement::at(at) + Rectangle::new([(-half, -half), (half, half)], fill)
             };
-            chart.draw_series(marked.map(square)).map_err(told)?;
+            chart.draw_series(places.map(square)).map(drop)
         }
-        Mark::None => {}
+        Mark::Ring => {
+            let line = style.colour.stroke_width(scale);
+            chart.draw_series(places.map(|at| Circle::new(at, RING * scale, line))).map(drop)
+        }
+        Mark::None => Ok(()),
     }
-    Ok(())
+    .map_err(told)
 }
 
 /// The curves' names: in a row in the middle, or in two columns.
@@ -167,34 +189,34 @@ fn legend<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale: u32) -> R
     };
     let whole = area.dim_in_pixel().0 as i32;
     if figure.legend_rows() == 1 {
-        let widths = entries.iter().map(|(label, _)| width(label)).collect::<Result<Vec<i32>, String>>()?;
+        let widths = entries.iter().map(|entry| width(entry.label)).collect::<Result<Vec<i32>, String>>()?;
         // Behind the last name there is no gap.
         let mut x = whole / 2 - (widths.iter().sum::<i32>() - 26 * px) / 2;
-        for ((label, style), width) in entries.into_iter().zip(widths) {
-            entry(area, (x, row / 2), label, style, scale)?;
+        for (one, width) in entries.into_iter().zip(widths) {
+            entry(area, (x, row / 2), one, scale)?;
             x += width;
         }
         return Ok(());
     }
-    for (index, (label, style)) in entries.into_iter().enumerate() {
+    for (index, one) in entries.into_iter().enumerate() {
         let (column, line) = (index as i32 % 2, index as i32 / 2);
-        entry(area, (66 * px + whole / 2 * column, row * line + row / 2), label, style, scale)?;
+        entry(area, (66 * px + whole / 2 * column, row * line + row / 2), one, scale)?;
     }
     Ok(())
 }
 
-/// A line with a mark, and its name.
+/// A line with a mark, or a mark alone, and its name.
 fn entry<DB: DrawingBackend>(
     area: &Area<DB>,
     (x, y): (i32, i32),
-    label: &str,
-    Style { colour, mark, dash }: Style,
+    Entry { label, style: Style { colour, mark, dash }, lined }: Entry<'_>,
     scale: u32,
 ) -> Result<(), String> {
     let px = scale as i32;
     let (line, fill) = (colour.stroke_width(2 * scale), colour.filled());
     let ends = [(x, y), (x + 32 * px, y)];
     match dash {
+        _ if !lined => Ok(()),
         None => area.draw(&PathElement::new(ends, line)),
         Some((dash, gap)) => area.draw(&DashedPathElement::new(ends, dash * scale, gap * scale, line)),
     }
@@ -207,6 +229,7 @@ fn entry<DB: DrawingBackend>(
             let corners = [(at.0 - half, at.1 - half), (at.0 + half, at.1 + half)];
             area.draw(&Rectangle::new(corners, fill))
         }
+        Mark::Ring => area.draw(&Circle::new(at, RING * scale, colour.stroke_width(scale))),
         Mark::None => Ok(()),
     }
     .map_err(told)?;

@@ -31,6 +31,7 @@ pub(super) enum Mark {
     Circle,
     Square,
     Triangle,
+    Ring,
     None,
 }
 
@@ -71,11 +72,13 @@ pub(super) struct Dot {
     pub(super) x: f64,
     pub(super) y: f64,
     pub(super) spread: Option<(f64, f64)>,
+    /// Whether it is of the setting that a solver is used with: it gets a ring.
+    pub(super) used: bool,
 }
 
 impl Dot {
     pub(super) fn at(x: f64, y: f64) -> Self {
-        Self { x, y, spread: None }
+        Self { x, y, spread: None, used: false }
     }
 }
 
@@ -155,6 +158,14 @@ pub(super) struct Figure {
     pub(super) panels: Vec<Panel>,
 }
 
+/// A line of the legend.
+struct Entry<'a> {
+    label: &'a str,
+    style: Style,
+    /// Whether its line is drawn, or its mark alone.
+    lined: bool,
+}
+
 /// The width and the height of a panel, px.
 const PANEL: (u32, u32) = (480, 350);
 /// The width of a panel that has none beside it, px.
@@ -187,15 +198,25 @@ impl Figure {
         (width, PANEL.1 * rows + LEGEND * self.legend_rows() as u32)
     }
 
-    /// The curves' names, each once.
-    fn legend(&self) -> Vec<(&str, Style)> {
-        let mut entries: Vec<(&str, Style)> = Vec::new();
-        for curve in self.panels.iter().flat_map(|panel| &panel.curves) {
-            if entries.iter().all(|(label, _)| *label != curve.label) {
-                entries.push((&curve.label, curve.style));
+    /// The curves' names, each once, and what a ring means where there is one.
+    fn legend(&self) -> Vec<Entry<'_>> {
+        let mut entries: Vec<Entry<'_>> = Vec::new();
+        let curves = || self.panels.iter().flat_map(|panel| &panel.curves);
+        for Curve { label, style, lined, .. } in curves() {
+            if entries.iter().all(|entry| entry.label != label) {
+                entries.push(Entry { label, style: *style, lined: *lined });
             }
         }
+        if curves().flat_map(|curve| &curve.dots).any(|dot| dot.used) {
+            let style = Style { mark: Mark::Ring, ..Style::plain(None) };
+            entries.push(Entry { label: "as it is used", style, lined: false });
+        }
         entries
+    }
+
+    /// Whether anything is said above one of its frames.
+    fn has_notes(&self) -> bool {
+        self.panels.iter().any(|panel| !panel.note.is_empty())
     }
 
     /// Rows of the legend: what does not stand in one stands in two columns.
@@ -260,6 +281,17 @@ mod tests {
             note: "contact: given up".to_owned(),
         };
         Figure { name: "test".to_owned(), columns: 2, panels: vec![panel.clone(), panel] }
+    }
+
+    #[test]
+    fn the_legend_shows_lines_and_rings_where_there_are_any() {
+        let mut figure = figure();
+        let lined = |figure: &Figure| figure.legend().iter().map(|entry| entry.lined).collect::<Vec<_>>();
+        assert_eq!(lined(&figure), [true, true]);
+        figure.panels[0].curves[0].lined = false;
+        figure.panels[1].curves[1].dots[2].used = true;
+        assert_eq!(lined(&figure), [false, true, false]);
+        assert_eq!(figure.legend()[2].style.mark, Mark::Ring);
     }
 
     #[test]
