@@ -1,8 +1,8 @@
 //! Measures how far a solver is from the truth: the same scene by `exact` and by the others, and the distance between
 //! them.
 //!
-//! The truth has to be known longer than it is compared with. Where balls meet, errors grow about tenfold a second, so
-//! trajectories are compared while they are young; later only energies and statistics can be.
+//! The truth has to be known longer than it is compared with. Where balls meet, errors grow about a hundredfold a second,
+//! so trajectories are compared while they are young; later only energies and statistics can be.
 
 use carom::{Scene, SceneError, Simulation, Solver};
 
