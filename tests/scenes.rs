@@ -383,6 +383,11 @@ const WRONG: &[(&str, usize, &str)] = &[
         "expected a number, such as 12 or 0.5; random balls whose masses differ have a density instead: density = 1",
     ),
     ("[[fill]]\ncount = 5\nradius = 3\nregion = [0, 0, 5]", 4, "four numbers, left, top, right and bottom"),
+    (
+        "[[ball]]\nposition = [640, 360]\nradius = 1000\nwide = true\n[[fill]]\ncount = 1\nradius = 3",
+        5,
+        "the fill's ball found no room; write a smaller count",
+    ),
     ("\n\n[[fill]]\ncount = 100000\nradius = 20", 3, "found room; write a smaller count or radius"),
 ];
 

@@ -254,7 +254,10 @@ impl Scene {
         for (stream, fill) in (0..).zip(&self.fills) {
             let placed = fill.place(&self.world, &balls, stream);
             if placed.len() < fill.count {
-                let found = format!("only {} of the fill's {} balls found room", placed.len(), fill.count);
+                let found = match fill.count {
+                    1 => "the fill's ball found no room".to_owned(),
+                    count => format!("only {} of the fill's {count} balls found room", placed.len()),
+                };
                 let size = self.world.size();
                 // A file's regions lie in the world that it asks for; --size may ask for another.
                 let message = if fill.region.is_some_and(|(_, high)| !high.cmple(size).all()) {
