@@ -98,8 +98,9 @@ pub(super) fn section(only: Option<&str>, program: Option<&Path>, context: &mut 
     }
     for (&solver, [held, degraded, ran_out, failed]) in Solver::ALL.iter().zip(counts) {
         let all = held + degraded + ran_out + failed;
+        let cases = if all == 1 { "case" } else { "cases" };
         section.in_short.push(format!(
-            "Of {all} stiff and extreme cases, `{solver}` held {held}, was degraded in {degraded}, ran out of time in \
+            "Of {all} stiff and extreme {cases}, `{solver}` held {held}, was degraded in {degraded}, ran out of time in \
              {ran_out} and failed in {failed}."
         ));
     }
