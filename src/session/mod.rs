@@ -31,7 +31,7 @@ pub use command::{Change, Command, CommandError};
 use pace::Pace;
 pub use replay::{Refused, Replay, ReplayError};
 use state::State;
-use tape::{Entry, Frame, Tape};
+use tape::{Entry, Frame, Taken, Tape};
 use work::Work;
 pub use work::Working;
 
@@ -235,7 +235,7 @@ impl Session {
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<f64, crate::OutOfRange> {
         let (frame, done) = Frame::take(&mut self.state, seconds, go_on)?;
-        self.tape.add(Entry::Frame(frame), watched, &self.state);
+        self.tape.add(Taken { entry: Entry::Frame(frame), done }, watched, &self.state);
         Ok(done)
     }
 
@@ -248,12 +248,12 @@ impl Session {
             if !is_due {
                 break;
             }
-            if let Entry::Frame(frame) = next {
+            if matches!(next.entry, Entry::Frame(_)) {
                 if !self.paused && !go_on() {
                     self.due = 0.0;
                     break;
                 }
-                self.due -= frame.seconds;
+                self.due -= next.done;
                 self.steps.pop_front();
             }
             self.tape.play(&mut self.state);
@@ -360,7 +360,8 @@ impl Session {
     /// Does what a change says, and notes it on the tape, whether it can be done or not.
     fn change(&mut self, change: Change) -> Result<(), CommandError> {
         let done = self.state.apply(change);
-        self.tape.add(Entry::Change(Box::new(change)), 0.0, &self.state);
+        let entry = Entry::Change(Box::new(change));
+        self.tape.add(Taken { entry, done: 0.0 }, 0.0, &self.state);
         if matches!(change, Change::Reset | Change::Reseed(_) | Change::Solver(_)) {
             self.pace = Pace::default();
         }

@@ -18,7 +18,7 @@ const MOST_BYTES: usize = 256 << 20;
 const FINE_PART: usize = 4;
 /// How far back one can go at least, in seconds as they were watched: where memory is short, older keys are forgotten.
 const KEPT: f64 = 40.0;
-/// The most entries that are kept: more than four hours at 60 frames per second, 25 MB.
+/// The most entries that are kept: more than four hours at 60 frames per second, 34 MB.
 const MOST_ENTRIES: usize = 1 << 20;
 
 /// What happened.
@@ -69,6 +69,14 @@ impl Frame {
     }
 }
 
+/// An entry of a tape.
+#[derive(Debug)]
+pub(super) struct Taken {
+    pub(super) entry: Entry,
+    /// The seconds that it moved on: fewer than asked for where a frame was cut short.
+    pub(super) done: f64,
+}
+
 impl Entry {
     /// Happens once more.
     fn repeat(&self, state: &mut State) {
@@ -96,7 +104,7 @@ struct Key {
 /// The tape. Places on it are counted in entries since the scene began.
 #[derive(Debug)]
 pub(super) struct Tape {
-    entries: VecDeque<Entry>,
+    entries: VecDeque<Taken>,
     /// The place of the first entry that is kept.
     first: usize,
     /// The place of the present.
@@ -128,26 +136,25 @@ impl Tape {
 
     /// Everything since the scene began; `None` where that is too long ago.
     pub(super) fn whole(&self) -> Option<impl Iterator<Item = &Entry>> {
-        (self.first == 0).then(|| self.entries.iter().take(self.at))
+        (self.first == 0).then(|| self.entries.iter().take(self.at).map(|taken| &taken.entry))
     }
 
     /// The entry that comes next, where the present is not the end of the tape.
-    pub(super) fn next(&self) -> Option<&Entry> {
+    pub(super) fn next(&self) -> Option<&Taken> {
         self.entries.get(self.at - self.first)
     }
 
     /// Simulated seconds from the present to the end of the tape.
     pub(super) fn left(&self) -> f64 {
-        let seconds = |entry: &Entry| if let Entry::Frame(frame) = entry { frame.seconds } else { 0.0 };
-        self.entries.range(self.at - self.first..).map(seconds).sum()
+        self.entries.range(self.at - self.first..).map(|taken| taken.done).sum()
     }
 
     /// Adds what has happened in the present, and led to `state`; what came after it before is forgotten. `watched` are
     /// the seconds for which the frame is seen.
-    pub(super) fn add(&mut self, entry: Entry, watched: f64, state: &State) {
+    pub(super) fn add(&mut self, taken: Taken, watched: f64, state: &State) {
         self.cut_off_future();
-        let is_frame = entry.is_frame();
-        self.entries.push_back(entry);
+        let is_frame = taken.entry.is_frame();
+        self.entries.push_back(taken);
         self.at += 1;
         self.watched += watched;
         let last = self.keys.back().map_or(0, |key| key.at);
@@ -202,8 +209,8 @@ impl Tape {
 
     /// Plays the next entry, where the present is not the end of the tape.
     pub(super) fn play(&mut self, state: &mut State) {
-        if let Some(entry) = self.entries.get(self.at - self.first) {
-            entry.repeat(state);
+        if let Some(taken) = self.next() {
+            taken.entry.repeat(state);
             self.at += 1;
         }
     }
@@ -213,7 +220,7 @@ impl Tape {
     pub(super) fn back(&mut self) -> Option<Way> {
         let oldest = self.keys.front()?.at;
         let frames = (oldest..self.at).rev().filter(|&at| at > self.first);
-        let mut ends = frames.filter(|&at| self.entries[at - 1 - self.first].is_frame());
+        let mut ends = frames.filter(|&at| self.entries[at - 1 - self.first].entry.is_frame());
         let to = ends.next()?;
         Some(self.way(to))
     }
@@ -238,7 +245,7 @@ impl Tape {
         let gap = ((way.to - way.from) as f64).sqrt().ceil().max(1.0) as usize;
         let most = MOST_BYTES / FINE_PART / way.state.bytes();
         while way.at < way.to {
-            self.entries[way.at - self.first].repeat(&mut way.state);
+            self.entries[way.at - self.first].entry.repeat(&mut way.state);
             way.at += 1;
             let done = way.at - way.from;
             if done.is_multiple_of(gap) && way.at < way.to && self.fine.len() < most {
@@ -286,8 +293,8 @@ mod tests {
         let mut tape = Tape::new(&state);
         let mut shown = Vec::new();
         for _ in 0..frames {
-            let (frame, _) = Frame::take(&mut state, 1.0 / 60.0, || true).unwrap();
-            tape.add(Entry::Frame(frame), 1.0 / 60.0, &state);
+            let (frame, done) = Frame::take(&mut state, 1.0 / 60.0, || true).unwrap();
+            tape.add(Taken { entry: Entry::Frame(frame), done }, 1.0 / 60.0, &state);
             shown.push(state.simulation.balls().to_vec());
         }
         (tape, state, shown)
@@ -332,8 +339,8 @@ mod tests {
     fn what_was_watched_and_then_undone_does_not_count_as_watched() {
         let (mut tape, ..) = recorded(300);
         let mut state = going(&mut tape, 130);
-        let (frame, _) = Frame::take(&mut state, 0.5, || true).unwrap();
-        tape.add(Entry::Frame(frame), 0.5, &state);
+        let (frame, done) = Frame::take(&mut state, 0.5, || true).unwrap();
+        tape.add(Taken { entry: Entry::Frame(frame), done }, 0.5, &state);
         // The key before is at 128.
         assert!((tape.watched - (128.0 / 60.0 + 0.5)).abs() < 1e-9, "{}", tape.watched);
     }
@@ -347,7 +354,7 @@ mod tests {
         assert!((tape.left() - 40.0 / 60.0).abs() < 1e-9);
         let mut state = going(&mut tape, 60);
         state.apply(Change::RemoveLast).unwrap();
-        tape.add(Entry::Change(Box::new(Change::RemoveLast)), 0.0, &state);
+        tape.add(Taken { entry: Entry::Change(Box::new(Change::RemoveLast)), done: 0.0 }, 0.0, &state);
         assert_eq!((tape.left(), tape.whole().unwrap().count()), (0.0, 61));
         // Taking a change back is a step of its own.
         assert_eq!(back(&mut tape).unwrap().simulation.balls(), shown[59]);
@@ -362,7 +369,7 @@ mod tests {
         let frame = Frame { seconds: 0.0, cut: None };
         let watched = 1.0 / 60.0;
         for _ in 0..60 * 120 {
-            tape.add(Entry::Frame(frame), watched, &large);
+            tape.add(Taken { entry: Entry::Frame(frame), done: 0.0 }, watched, &large);
         }
         let bytes: usize = tape.keys.iter().map(|key| key.state.bytes()).sum();
         assert!(bytes <= MOST_BYTES, "{bytes}");

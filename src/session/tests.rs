@@ -90,6 +90,32 @@ fn canvas_always_finishes_and_is_never_behind() {
 }
 
 #[test]
+fn time_that_was_not_simulated_is_not_gone_back_and_not_played_again() {
+    let mut session = session("pile");
+    for _ in 0..4 {
+        let mut looks = 0;
+        session
+            .advance_while(0.1, || {
+                looks += 1;
+                looks < 2
+            })
+            .unwrap();
+    }
+    let time = session.simulation().time();
+    assert!(session.is_behind() && time < 0.3, "{time}");
+    while session.rewind(LONGEST_FRAME) {}
+    assert_eq!(session.simulation().time(), 0.0);
+    assert!((session.seconds_ago() - time).abs() < 1e-9, "{} is not {time}", session.seconds_ago());
+    // In as much time as it is, all of it.
+    let mut left = time;
+    while left > 0.0 {
+        session.advance(left.min(LONGEST_FRAME)).unwrap();
+        left -= LONGEST_FRAME;
+    }
+    assert!(!session.is_in_the_past(), "{} s are left", session.seconds_ago());
+}
+
+#[test]
 fn reset_restores_the_scene_in_the_window_as_it_is() {
     let mut session = session("gravity");
     let start = positions(&session);
