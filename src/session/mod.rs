@@ -390,7 +390,8 @@ impl Session {
     fn go_by(&mut self, steps: isize) -> Result<(), CommandError> {
         let names = scene::names();
         let count = names.len() as isize;
-        let here = names.iter().position(|&name| name == self.name()).map(|index| index as isize);
+        // By what it is loaded by: a file of the user's own may have a built-in scene's name.
+        let here = names.iter().position(|&name| name == self.scene().argument()).map(|index| index as isize);
         // From a scene of the user's own, forward is to the first and back is to the last.
         let here = here.unwrap_or(if steps > 0 { -1 } else { 0 });
         self.go_to((here + steps).rem_euclid(count) as usize)

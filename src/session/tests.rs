@@ -185,6 +185,19 @@ fn scenes_go_round_and_keep_the_windows_size() {
 }
 
 #[test]
+fn a_file_of_ones_own_is_no_built_in_scene_whatever_its_name() {
+    let mine = "[[ball]]\nposition = [50, 50]\nradius = 9\n";
+    let names = scene::names();
+    for (command, name) in [(Command::NextScene, names[0]), (Command::PreviousScene, names[names.len() - 1])]
+    {
+        let scene = Scene::parse("gravity.toml", mine).unwrap();
+        let mut session = Session::new(&scene, 1).unwrap();
+        session.apply(command).unwrap();
+        assert_eq!(session.name(), name);
+    }
+}
+
+#[test]
 fn gravity_comes_back_as_it_was() {
     let mut session = session("gravity");
     session.apply(Command::Change(Change::ToggleGravity)).unwrap();
