@@ -8,7 +8,7 @@ use super::command::{Change, CommandError};
 use super::truth::Truth;
 use crate::scene::{self, Rain, Scene, SceneError};
 use crate::simulation::invariants;
-use crate::simulation::limits::{GRAVITY, MAX_BALLS, VELOCITY};
+use crate::simulation::limits::{COORDINATE, GRAVITY, MAX_BALLS, VELOCITY};
 use crate::simulation::{Ball, BuildError, Simulation, Solver};
 
 /// The smallest radius that a click makes do with, px.
@@ -235,6 +235,8 @@ impl State {
         if self.ball(ball)?.is_fixed() {
             return Err(CommandError::Fixed);
         }
+        // To clamp what is not a number would throw the ball as fast as any may be.
+        let to = COORDINATE.check_vector(to)?;
         for simulation in self.simulations() {
             let Some(carried) = simulation.balls().get(ball) else { continue };
             let velocity = (to - carried.position()) / CARRY_TIME;

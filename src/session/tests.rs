@@ -198,6 +198,17 @@ fn a_file_of_ones_own_is_no_built_in_scene_whatever_its_name() {
 }
 
 #[test]
+fn a_ball_is_carried_to_no_place_that_is_none() {
+    let mut session = session("gravity");
+    let before = session.simulation().balls().to_vec();
+    for to in [DVec2::splat(f64::NAN), DVec2::new(5.0, f64::NAN), DVec2::new(f64::INFINITY, 5.0)] {
+        let refused = session.apply(Change::Carry { ball: 2, to }.into());
+        assert!(matches!(refused, Err(CommandError::OutOfRange(_))), "{to}: {refused:?}");
+        assert_eq!(session.simulation().balls(), before);
+    }
+}
+
+#[test]
 fn gravity_comes_back_as_it_was() {
     let mut session = session("gravity");
     session.apply(Command::Change(Change::ToggleGravity)).unwrap();
