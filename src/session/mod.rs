@@ -430,3 +430,12 @@ fn next_solver(solver: Solver) -> Solver {
     let here = Solver::ALL.iter().position(|&other| other == solver).unwrap_or(0);
     Solver::ALL[(here + 1) % Solver::ALL.len()]
 }
+
+/// Keeps the first of what it is asked about, and from there on every second.
+fn every_second<T>() -> impl FnMut(&T) -> bool {
+    let mut keep = false;
+    move |_| {
+        keep = !keep;
+        keep
+    }
+}

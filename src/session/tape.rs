@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use std::num::NonZeroU32;
 
 use super::command::Change;
+use super::every_second;
 use super::state::State;
 
 /// Entries between two keys at first.
@@ -195,14 +196,9 @@ impl Tape {
                 self.keys.pop_front();
                 continue;
             }
-            let mut keep = false;
-            let last = self.keys.len() - 1;
-            let mut index = 0;
-            self.keys.retain(|_| {
-                keep = !keep;
-                index += 1;
-                keep || index > last
-            });
+            let last = self.keys.pop_back();
+            self.keys.retain(every_second());
+            self.keys.extend(last);
             self.spacing *= 2;
         }
     }

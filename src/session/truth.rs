@@ -1,5 +1,6 @@
 //! The same balls moved by the exact solver, to compare with.
 
+use super::every_second;
 use crate::simulation::{Simulation, Solver};
 
 /// The most errors that are kept: half of them go where there are more.
@@ -43,11 +44,7 @@ impl Truth {
             self.errors.push((self.time, largest_error(shown, &self.simulation)));
         }
         if self.errors.len() > MOST_ERRORS {
-            let mut keep = false;
-            self.errors.retain(|_| {
-                keep = !keep;
-                keep
-            });
+            self.errors.retain(every_second());
             self.spacing *= 2;
         }
         Ok(done >= seconds)
