@@ -24,13 +24,14 @@ mod truth;
 mod work;
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use glam::DVec2;
 
 pub use command::{Change, Command, CommandError};
 use pace::Pace;
 pub use replay::{Refused, Replay, ReplayError};
-use state::State;
+use state::{Start, State};
 use tape::{Entry, Frame, Taken, Tape};
 use work::Work;
 pub use work::Working;
@@ -57,7 +58,7 @@ const LEAST_TARGET: f64 = 6.0;
 #[derive(Debug)]
 pub struct Session {
     /// The scene as it was opened: random balls may have been drawn anew since.
-    opened: Scene,
+    opened: Arc<Start>,
     state: State,
     tape: Tape,
     /// For the random balls that commands add, and those that are drawn anew.
@@ -83,7 +84,7 @@ impl Session {
     pub fn new(scene: &Scene, seed: u64) -> Result<Self, SceneError> {
         let state = State::new(scene, seed)?;
         Ok(Self {
-            opened: scene.clone(),
+            opened: Arc::clone(state.start()),
             tape: Tape::new(&state),
             state,
             seed,

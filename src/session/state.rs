@@ -48,9 +48,9 @@ pub(super) struct State {
 
 /// A scene at its beginning.
 #[derive(Debug)]
-struct Start {
-    scene: Scene,
-    simulation: Simulation,
+pub(super) struct Start {
+    pub(super) scene: Scene,
+    pub(super) simulation: Simulation,
 }
 
 impl State {
@@ -75,6 +75,11 @@ impl State {
     /// The scene that a reset goes back to.
     pub(super) fn scene(&self) -> &Scene {
         &self.start.scene
+    }
+
+    /// What a reset goes back to.
+    pub(super) fn start(&self) -> &Arc<Start> {
+        &self.start
     }
 
     /// The size that the world was last asked to have, px.

@@ -9,13 +9,14 @@ mod write;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use thiserror::Error;
 
 pub(super) use write::write;
 
 use super::command::CommandError;
-use super::state::State;
+use super::state::{Start, State};
 use super::tape::Entry;
 use crate::scene::{self, Rain, Scene, SceneError};
 use crate::simulation::Simulation;
@@ -28,7 +29,7 @@ const LONGEST_FILE: u64 = 1 << 27;
 /// What was played, to be played again. Its [`Display`](fmt::Display) is its text, which [`parse`](Self::parse) reads.
 #[derive(Debug, Clone)]
 pub struct Replay {
-    scene: Scene,
+    start: Arc<Start>,
     /// For the random balls that changes add.
     seed: u64,
     state: State,
@@ -146,13 +147,14 @@ impl Replay {
                 given: scene.argument().to_owned(),
             });
         }
-        Ok(Self { scene: start, seed: header.seed, state, entries, at: 0, refused: None })
+        let start = Arc::clone(state.start());
+        Ok(Self { start, seed: header.seed, state, entries, at: 0, refused: None })
     }
 
     /// The scene that is played, as the replay wants it.
     #[must_use]
     pub fn scene(&self) -> &Scene {
-        &self.scene
+        &self.start.scene
     }
 
     /// The simulation as it is now.
@@ -208,7 +210,7 @@ fn frames(entries: &[Entry]) -> u64 {
 
 impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&write(&self.scene, self.seed, self.entries.iter()))
+        f.write_str(&write(&self.start, self.seed, self.entries.iter()))
     }
 }
 

@@ -5,16 +5,17 @@ use std::fmt::Write;
 use glam::DVec2;
 
 use super::{FIRST_LINE, fingerprint};
-use crate::scene::Scene;
 use crate::session::command::Change;
+use crate::session::state::Start;
 use crate::session::tape::{Entry, Frame};
 
-/// The text of a replay that began with `scene`.
+/// The text of a replay that began with `start`.
 pub(in crate::session) fn write<'a>(
-    scene: &Scene,
+    start: &Start,
     seed: u64,
     entries: impl Iterator<Item = &'a Entry>,
 ) -> String {
+    let Start { scene, simulation } = start;
     // It is the rest of a line, and a path may have line breaks in it.
     let name = scene.argument().replace(char::is_control, " ");
     let mut text = format!("{FIRST_LINE}\nscene {name}\nsolver {}\n", scene.solver());
@@ -24,9 +25,7 @@ pub(in crate::session) fn write<'a>(
         text += &format!("balls {count} {seed}\n");
     }
     text += &format!("seed {seed}\n");
-    if let Ok(simulation) = scene.build() {
-        text += &format!("start {:016x}\n", fingerprint(&simulation, scene.rain().as_ref()));
-    }
+    text += &format!("start {:016x}\n", fingerprint(simulation, scene.rain().as_ref()));
     for entry in entries {
         match entry {
             Entry::Frame(Frame { seconds, cut: None }) => text += &format!("frame {seconds}"),
