@@ -123,7 +123,7 @@ impl App {
 
     /// Shows all scenes; time stands still meanwhile.
     pub(super) fn open_browser(&mut self) {
-        self.browser = Some(Browser::open(self.session.scene()));
+        self.browser = Some(Browser::open(&self.session));
         self.help = false;
         self.hands.let_go();
         self.stop_clock();

@@ -78,8 +78,11 @@ impl App {
         };
         let gravity = self.gravity_until.is_some_and(|until| now < until && !self.options.quiet);
         let recorder = self.recorder.as_ref().filter(|recorder| recorder.is_recording());
-        let (page, missing) =
-            self.browser.as_mut().map_or((None, false), |browser| browser.page(room.picture, room.scale));
+        let now_played = self.session.simulation();
+        let (page, missing) = self
+            .browser
+            .as_mut()
+            .map_or((None, false), |browser| browser.page(room.picture, room.scale, now_played));
         if missing {
             self.request_redraw();
         }

@@ -10,6 +10,8 @@ use glam::DVec2;
 use tiny_skia::Pixmap;
 
 use crate::scene::{self, Scene};
+use crate::session::Session;
+use crate::simulation::{Simulation, Solver};
 
 use layout::Layout;
 pub(in crate::window) use page::Page;
@@ -28,6 +30,7 @@ pub(in crate::window) enum Direction {
 struct Card {
     scene: Scene,
     balls: usize,
+    solver: Solver,
     picture: Option<Pixmap>,
 }
 
@@ -48,7 +51,10 @@ pub(in crate::window) struct Browser {
 
 impl Browser {
     /// The built-in scenes, and before them that which is played, where it is another.
-    pub(in crate::window) fn open(played: &Scene) -> Self {
+    ///
+    /// The card of what is played shows it as it is now: a scene of the user's own may take seconds to build once more.
+    pub(in crate::window) fn open(session: &Session) -> Self {
+        let played = session.scene();
         let mut scenes: Vec<Scene> =
             scene::names().iter().filter_map(|name| Scene::load(name).ok()).collect();
         let same = |scene: &Scene| scene.argument() == played.argument();
@@ -56,10 +62,14 @@ impl Browser {
             scenes.insert(0, played.clone());
         }
         let index = scenes.iter().position(same);
-        let cards = scenes.into_iter().map(|scene| Card {
-            balls: scene.build().map_or(0, |simulation| simulation.balls().len()),
-            scene,
-            picture: None,
+        let cards = scenes.into_iter().enumerate().map(|(place, scene)| {
+            let now = session.simulation();
+            let (balls, solver) = if index == Some(place) {
+                (now.balls().len(), now.solver())
+            } else {
+                (scene.build().map_or(0, |simulation| simulation.balls().len()), scene.solver())
+            };
+            Card { scene, balls, solver, picture: None }
         });
         Self {
             cards: cards.collect(),
@@ -148,8 +158,13 @@ impl Browser {
     }
 
     /// The list for a picture of this size, px, with `scale` pixels per px of the world; and whether there are small
-    /// pictures still to be painted: one is painted with each call.
-    pub(in crate::window) fn page(&mut self, extent: DVec2, scale: f64) -> (Option<Page>, bool) {
+    /// pictures still to be painted: one is painted with each call. `now` is what is played.
+    pub(in crate::window) fn page(
+        &mut self,
+        extent: DVec2,
+        scale: f64,
+        now: &Simulation,
+    ) -> (Option<Page>, bool) {
         let layout = Layout::new(extent, scale);
         if layout != self.layout {
             if layout.picture != self.layout.picture {
@@ -160,11 +175,16 @@ impl Browser {
             self.painted = None;
         }
         let seen = self.seen();
-        let mut missing = self.cards[seen].iter_mut().filter(|card| card.picture.is_none());
+        let cards = self.cards.iter_mut().enumerate().take(seen.end).skip(seen.start);
+        let mut missing = cards.filter(|(_, card)| card.picture.is_none());
         if layout.picture.min_element() >= 1.0
-            && let Some(card) = missing.next()
+            && let Some((index, card)) = missing.next()
         {
-            card.picture = card.paint(layout.picture);
+            card.picture = if self.played == Some(index) {
+                page::picture(now, layout.picture)
+            } else {
+                card.paint(layout.picture)
+            };
             self.painted = None;
         }
         let missing = layout.picture.min_element() >= 1.0 && missing.next().is_some();
@@ -178,6 +198,7 @@ impl Browser {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::session::Change;
 
     const SIZES: [(f64, f64, f64); 7] = [
         (1280.0, 720.0, 1.0),
@@ -189,8 +210,12 @@ mod tests {
         (1.0, 1.0, 1.0),
     ];
 
+    fn session(scene: &Scene) -> Session {
+        Session::new(scene, 1).unwrap()
+    }
+
     fn browser(size: (f64, f64, f64)) -> Browser {
-        let mut browser = Browser::open(&Scene::load("gravity").unwrap());
+        let mut browser = Browser::open(&session(&Scene::load("gravity").unwrap()));
         browser.layout = Layout::new(DVec2::new(size.0, size.1), size.2);
         browser.show_selected();
         browser
@@ -237,27 +262,29 @@ mod tests {
 
     #[test]
     fn pictures_are_painted_one_a_call_until_all_that_are_seen_are_there() {
-        let mut browser = browser(SIZES[0]);
+        let (mut browser, session) = (browser(SIZES[0]), session(&Scene::load("gravity").unwrap()));
+        let now = session.simulation();
         let painted = |browser: &Browser| browser.cards.iter().filter(|card| card.picture.is_some()).count();
         let seen = browser.seen().len();
         for count in 1..=seen {
-            let (page, missing) = browser.page(DVec2::new(1280.0, 720.0), 1.0);
+            let (page, missing) = browser.page(DVec2::new(1280.0, 720.0), 1.0, now);
             assert_eq!((painted(&browser), missing), (count, count < seen));
             assert!(page.is_some());
         }
-        let (once, _) = browser.page(DVec2::new(1280.0, 720.0), 1.0);
-        let (again, _) = browser.page(DVec2::new(1280.0, 720.0), 1.0);
+        let (once, _) = browser.page(DVec2::new(1280.0, 720.0), 1.0, now);
+        let (again, _) = browser.page(DVec2::new(1280.0, 720.0), 1.0, now);
         assert!(once == again, "nothing is painted where nothing has changed");
     }
 
     #[test]
     fn lists_of_any_size_are_painted_and_all_rows_can_be_scrolled_to() {
+        let session = session(&Scene::load("gravity").unwrap());
         for (x, y, scale) in SIZES {
             let mut browser = browser((x, y, scale));
-            browser.page(DVec2::new(x, y), scale);
+            browser.page(DVec2::new(x, y), scale, session.simulation());
             browser.scroll(1000);
             assert_eq!(browser.seen().end, browser.cards.len(), "{x}x{y}");
-            browser.page(DVec2::new(x, y), scale);
+            browser.page(DVec2::new(x, y), scale, session.simulation());
             browser.scroll(-1000);
             assert_eq!(browser.seen().start, 0);
         }
@@ -266,8 +293,22 @@ mod tests {
     #[test]
     fn a_scene_of_ones_own_comes_first_and_is_marked_as_playing() {
         let mine = Scene::parse("mine.toml", "[[ball]]\nposition = [50, 50]\nradius = 9\n").unwrap();
-        let browser = Browser::open(&mine);
+        let browser = Browser::open(&session(&mine));
         assert_eq!((browser.selected().unwrap().name(), browser.played), ("mine", Some(0)));
         assert_eq!(browser.cards.len(), scene::names().len() + 1);
+    }
+
+    #[test]
+    fn the_card_of_what_is_played_shows_it_as_it_is_now() {
+        let mine = Scene::parse("mine.toml", "[[ball]]\nposition = [50, 50]\nradius = 9\n").unwrap();
+        let mut session = session(&mine);
+        let browser = Browser::open(&session);
+        assert_eq!((browser.cards[0].balls, browser.cards[0].solver), (1, mine.solver()));
+        session.apply(Change::AddRandom(30).into()).unwrap();
+        session.apply(Change::Solver(Solver::Contact).into()).unwrap();
+        let mut browser = Browser::open(&session);
+        assert_eq!((browser.cards[0].balls, browser.cards[0].solver), (31, Solver::Contact));
+        browser.page(DVec2::new(1280.0, 720.0), 1.0, session.simulation());
+        assert_eq!(browser.cards[0].picture, page::picture(session.simulation(), browser.layout.picture));
     }
 }

@@ -9,6 +9,7 @@ use tiny_skia::{Pixmap, PixmapMut, PixmapPaint, Transform};
 use crate::paint::text::{BASELINE, LINE, shorten, text, width, wrap};
 use crate::paint::{BACKGROUND, BALL, Colour, paint};
 use crate::session::{STEP, Session};
+use crate::simulation::Simulation;
 
 use super::super::TEXT_SIZE;
 use super::super::sheet::{INK, QUIET, Rounded};
@@ -112,7 +113,7 @@ impl Browser {
             1 => "1 ball".to_owned(),
             count => format!("{count} balls"),
         };
-        let how = format!("{balls} · {}", card.scene.solver());
+        let how = format!("{balls} · {}", card.solver);
         write(QUIET, &shorten(&how, characters));
     }
 }
@@ -120,24 +121,31 @@ impl Browser {
 impl Card {
     /// The scene as it is after a moment, all of its world in the middle of a picture of this size, px.
     pub(super) fn paint(&self, size: DVec2) -> Option<Pixmap> {
-        let mut picture = Pixmap::new(size.x as u32, size.y as u32)?;
-        picture.fill(BACKGROUND.into());
-        let Ok(mut session) = Session::new(&self.scene, 1) else { return Some(picture) };
         let start = Instant::now();
+        let Ok(mut session) = Session::new(&self.scene, 1) else {
+            return Pixmap::new(size.x as u32, size.y as u32);
+        };
         while session.simulation().time() < SHOWN_AT && start.elapsed() < LONGEST_PICTURE {
             if session.advance_while(STEP, || start.elapsed() < LONGEST_PICTURE).is_err() {
                 break;
             }
         }
-        let world = session.simulation().world().size();
-        let scale = (size / world).min_element();
-        let covered = (world * scale).round().max(DVec2::ONE).min(size);
-        let mut scaled = Pixmap::new(covered.x as u32, covered.y as u32)?;
-        paint(session.simulation(), scale, &mut scaled.as_mut());
-        let corner = ((size - covered) / 2.0).round();
-        let (x, y) = (corner.x as i32, corner.y as i32);
-        let copy = PixmapPaint::default();
-        picture.draw_pixmap(x, y, scaled.as_ref(), &copy, Transform::identity(), None);
-        Some(picture)
+        picture(session.simulation(), size)
     }
+}
+
+/// All of a simulation's world in the middle of a picture of this size, px.
+pub(super) fn picture(simulation: &Simulation, size: DVec2) -> Option<Pixmap> {
+    let mut picture = Pixmap::new(size.x as u32, size.y as u32)?;
+    picture.fill(BACKGROUND.into());
+    let world = simulation.world().size();
+    let scale = (size / world).min_element();
+    let covered = (world * scale).round().max(DVec2::ONE).min(size);
+    let mut scaled = Pixmap::new(covered.x as u32, covered.y as u32)?;
+    paint(simulation, scale, &mut scaled.as_mut());
+    let corner = ((size - covered) / 2.0).round();
+    let (x, y) = (corner.x as i32, corner.y as i32);
+    let copy = PixmapPaint::default();
+    picture.draw_pixmap(x, y, scaled.as_ref(), &copy, Transform::identity(), None);
+    Some(picture)
 }
