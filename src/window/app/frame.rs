@@ -7,7 +7,7 @@ use winit::dpi::PhysicalSize;
 
 use super::super::WindowError;
 use super::super::clock::FrameRate;
-use super::App;
+use super::{App, Rewinding};
 use crate::session::CommandError;
 
 /// How long to wait before looking whether a window that could not be seen can.
@@ -106,11 +106,11 @@ impl App {
 
     /// Whether a frame now would move anything.
     pub(super) fn is_moving(&self) -> bool {
-        self.browser.is_none() && (self.rewinding || self.session.is_moving())
+        self.browser.is_none() && (self.rewinding != Rewinding::No || self.session.is_moving())
     }
 
     /// Brings the session to the time `now`, in a world of this size. Returns the seconds since the last frame.
-    fn advance(&mut self, now: Instant, size: DVec2) -> Result<f64, WindowError> {
+    pub(super) fn advance(&mut self, now: Instant, size: DVec2) -> Result<f64, WindowError> {
         let measured = self.clock.tick(now);
         let resized = self.session.resize(size);
         resized.or_else(|error| match error {
@@ -133,14 +133,14 @@ impl App {
         if self.browser.is_some() {
             return Ok(measured);
         }
-        if !self.rewinding {
+        if self.rewinding == Rewinding::No {
             let compared = self.session.truth().is_some();
             self.session.advance_while(measured, go_on)?;
             if compared && self.session.truth().is_none() {
                 self.complain("exact cannot follow here in real time: no longer compared".to_owned());
             }
-        } else if !self.session.rewind_while(measured, go_on) {
-            self.rewinding = false;
+        } else if !self.session.rewind_while(measured, go_on) && self.rewinding == Rewinding::Back {
+            self.rewinding = Rewinding::AtStart;
             self.complain(CommandError::NoEarlier.to_string());
         }
         Ok(measured)

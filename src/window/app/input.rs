@@ -14,7 +14,7 @@ use super::super::keys::{self, Action};
 use super::super::overlay::{Browser, Direction, Gauge};
 use super::super::watch::Watch;
 use super::super::{Options, words};
-use super::App;
+use super::{App, Rewinding};
 use crate::paint::trails::Trails;
 use crate::scene::Scene;
 use crate::session::{Change, Command};
@@ -30,14 +30,18 @@ impl App {
     /// From now on nobody tells which keys and buttons are held.
     pub(super) fn lose_focus(&mut self) {
         self.modifiers = ModifiersState::empty();
-        self.rewinding = false;
+        self.stop_rewinding();
         self.hands.let_go();
+    }
+
+    pub(super) fn stop_rewinding(&mut self) {
+        (self.rewinding, self.rewind_held) = (Rewinding::No, false);
     }
 
     pub(super) fn key(&mut self, event_loop: &ActiveEventLoop, event: &KeyEvent) {
         if event.state != ElementState::Pressed {
             if event.logical_key == Key::Named(NamedKey::ArrowLeft) {
-                self.rewinding = false;
+                self.stop_rewinding();
             }
             return;
         }
@@ -48,15 +52,17 @@ impl App {
             None => {}
             // What stops others does not wait for them.
             Some(Action::Leave) => self.leave(event_loop),
-            Some(action) => self.ask(action),
+            Some(action) => self.ask(action, event.repeat),
         }
     }
 
-    /// Does an action, now or, where there is no time left for it, before long.
-    fn ask(&mut self, action: Action) {
+    /// Does an action, now or, where there is no time left for it, before long. Where the key just goes on being held,
+    /// the action is left out instead: what waited would go on after the key was released.
+    pub(super) fn ask(&mut self, action: Action, repeat: bool) {
+        self.rewind_held |= action == Action::Rewind;
         if self.waiting.is_empty() && self.has_time() {
             self.act(action);
-        } else if !self.waiting.push(action) {
+        } else if !repeat && !self.waiting.push(action) {
             self.complain("this is more than can be done: some keys were left out".to_owned());
         }
     }
@@ -94,10 +100,10 @@ impl App {
         match action {
             Action::Do(command) => self.apply(command),
             Action::Rewind if self.session.is_paused() => self.apply(Command::Back),
-            Action::Rewind => {
+            Action::Rewind if self.rewind_held && self.rewinding == Rewinding::No => {
                 // Balls may not have been there.
                 self.hands.let_go();
-                self.rewinding = true;
+                self.rewinding = Rewinding::Back;
             }
             Action::ToggleHelp => self.help = !self.help,
             Action::ToggleTrails => {
@@ -115,8 +121,8 @@ impl App {
             Action::SaveScene => self.save_scene(),
             Action::SaveReplay => self.save_replay(),
             Action::ToggleRecording => self.toggle_recording(),
-            // Done before it comes here.
-            Action::Leave => {}
+            // Time runs back already, or the key was released before its turn came; to leave is done before it comes here.
+            Action::Rewind | Action::Leave => {}
         }
         self.request_redraw();
     }
@@ -277,12 +283,12 @@ impl App {
             }
             (MouseButton::Left, ElementState::Released) => {
                 if let Some(change) = self.hands.release() {
-                    self.ask(Action::Do(change.into()));
+                    self.ask(Action::Do(change.into()), false);
                 }
             }
             (MouseButton::Right, ElementState::Pressed) => {
                 if let Some(change) = self.hands.pick(&self.session) {
-                    self.ask(Action::Do(change.into()));
+                    self.ask(Action::Do(change.into()), false);
                 }
             }
             _ => return,

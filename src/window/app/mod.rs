@@ -8,6 +8,8 @@
 mod frame;
 mod input;
 mod saving;
+#[cfg(test)]
+mod tests;
 mod view;
 
 use std::io::{self, Write};
@@ -38,6 +40,15 @@ use crate::scene::Scene;
 use crate::session::Session;
 use frame::Present;
 
+/// Whether time runs back, for as long as a key is held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Rewinding {
+    No,
+    Back,
+    /// It has come as far back as is remembered, which was said, and stands there.
+    AtStart,
+}
+
 /// The window and what is shown in it.
 #[expect(clippy::struct_excessive_bools, reason = "independent of each other")]
 pub(super) struct App {
@@ -62,8 +73,10 @@ pub(super) struct App {
     hands: Hands,
     /// When the pointer was last moved.
     pointed: Option<Instant>,
-    /// Whether time runs back for as long as a key is held.
-    rewinding: bool,
+    /// Whether time runs back.
+    rewinding: Rewinding,
+    /// Whether the key is down that makes it.
+    rewind_held: bool,
     help: bool,
     /// The list of scenes, while it is open.
     browser: Option<Browser>,
@@ -231,7 +244,8 @@ impl App {
             modifiers: ModifiersState::empty(),
             hands: Hands::new(),
             pointed: None,
-            rewinding: false,
+            rewinding: Rewinding::No,
+            rewind_held: false,
             help: false,
             browser: None,
             pointer: DVec2::ZERO,

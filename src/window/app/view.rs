@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::super::hands::Gesture;
 use super::super::overlay::{Comparison, Frame, Hand, Overlay, Room, Sheet};
 use super::super::words;
-use super::App;
+use super::{App, Rewinding};
 
 /// How long it is shown what the pointer would do, after it has moved.
 const POINTED: Duration = Duration::from_millis(1500);
@@ -94,7 +94,7 @@ impl App {
             hand: self.hand(now),
             gravity: gravity.then(|| session.simulation().world().gravity().unwrap_or_default()),
             figures,
-            past: words::past(session, self.rewinding).filter(|_| !self.options.quiet),
+            past: words::past(session, self.rewinding != Rewinding::No).filter(|_| !self.options.quiet),
             sheet,
             page,
             recording: recorder.map(|_| now.saturating_duration_since(self.recording_since).as_secs()),

@@ -1,0 +1,106 @@
+//! Laws of the application that need no screen.
+
+use super::super::keys::Action;
+use super::*;
+use crate::session::{Change, Command, STEP};
+
+/// An application without a screen that has played a scene for two seconds.
+fn app(scene: &str) -> App {
+    let scene = Scene::load(scene).unwrap();
+    let options = Options {
+        fullscreen: false,
+        paused: false,
+        time_scale: 1.0,
+        vsync: false,
+        timings: false,
+        watch: false,
+        quiet: false,
+        seed: None,
+    };
+    let mut session = Session::new(&scene, 1).unwrap();
+    for _ in 0..120 {
+        session.advance(STEP).unwrap();
+    }
+    App::new(&scene, &options, session)
+}
+
+/// Goes back by so little that the session is not done with it.
+fn begin_work(app: &mut App) {
+    app.session.apply_while(Command::Back, || false).unwrap();
+    assert!(app.session.is_working());
+}
+
+/// Finishes that, and does what waits.
+fn end_work(app: &mut App) {
+    app.session.work_while(|| true).unwrap();
+    while !app.waiting.is_empty() {
+        app.catch_up();
+    }
+}
+
+/// A key that is down, in a turn of the event loop that has only begun.
+fn hold(app: &mut App, action: Action, repeat: bool) {
+    app.turn = Turn::begin(Instant::now());
+    app.ask(action, repeat);
+}
+
+#[test]
+fn time_runs_back_no_longer_than_the_key_is_held_however_busy_the_session_was() {
+    let mut app = app("gravity");
+    hold(&mut app, Action::Rewind, false);
+    assert_eq!(app.rewinding, Rewinding::Back);
+    begin_work(&mut app);
+    for _ in 0..20 {
+        hold(&mut app, Action::Rewind, true);
+    }
+    app.stop_rewinding();
+    end_work(&mut app);
+    assert_eq!(app.rewinding, Rewinding::No);
+    // Pressed while the session is busy, and still held when its turn comes.
+    for (released, rewinding) in [(false, Rewinding::Back), (true, Rewinding::No)] {
+        begin_work(&mut app);
+        hold(&mut app, Action::Rewind, false);
+        assert_eq!(app.rewinding, Rewinding::No);
+        if released {
+            app.lose_focus();
+        }
+        end_work(&mut app);
+        assert_eq!(app.rewinding, rewinding);
+        app.stop_rewinding();
+    }
+}
+
+#[test]
+fn a_key_that_is_held_leaves_nothing_to_do_after_it() {
+    let mut app = app("gravity");
+    begin_work(&mut app);
+    let add = Action::Do(Change::AddRandom(1).into());
+    hold(&mut app, add, false);
+    for _ in 0..20 {
+        hold(&mut app, add, true);
+    }
+    end_work(&mut app);
+    assert_eq!(app.session.simulation().balls().len(), 16);
+}
+
+#[test]
+fn time_that_ran_back_to_the_start_stands_there_until_the_key_is_released() {
+    let mut app = app("elastic");
+    let size = app.session.simulation().world().size();
+    let mut now = Instant::now();
+    let mut frame = |app: &mut App| {
+        now += Duration::from_millis(50);
+        app.advance(now, size).unwrap();
+        app.session.simulation().time()
+    };
+    frame(&mut app);
+    hold(&mut app, Action::Rewind, false);
+    while frame(&mut app) > 0.0 {}
+    for _ in 0..20 {
+        hold(&mut app, Action::Rewind, true);
+        assert_eq!(frame(&mut app), 0.0);
+    }
+    app.stop_rewinding();
+    frame(&mut app);
+    assert!(frame(&mut app) > 0.0, "time runs on");
+}
