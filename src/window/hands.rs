@@ -115,11 +115,9 @@ impl Hands {
         (std::mem::replace(put, to) != to).then_some(Change::Place { ball: *index, at: to })
     }
 
-    /// The right button: the ball at the pointer goes.
-    pub(super) fn pick(&mut self, session: &Session) -> Option<Change> {
-        let index = session.ball_at(self.pointer?)?;
-        self.let_go();
-        Some(Change::Remove(index))
+    /// The right button: the place whose ball is to go.
+    pub(super) fn pick(&self) -> Option<DVec2> {
+        self.pointer
     }
 
     /// The wheel: the next ball grows by so many notches, or shrinks. Its new radius, px.
@@ -210,15 +208,11 @@ mod tests {
     }
 
     #[test]
-    fn the_right_button_takes_the_ball_at_the_pointer_and_none_beside() {
-        let (mut hands, session) = (Hands::new(), session());
-        assert_eq!(hands.pick(&session), None);
+    fn the_right_button_is_for_the_place_of_the_pointer() {
+        let mut hands = Hands::new();
+        assert_eq!(hands.pick(), None);
         hands.point_at(FREE);
-        assert_eq!(hands.pick(&session), None);
-        hands.point_at(session.simulation().balls()[4].position());
-        hands.press(&session).unwrap();
-        assert_eq!(hands.pick(&session), Some(Change::Remove(4)));
-        assert_eq!(hands.hold(&session), None, "what is gone is not held");
+        assert_eq!(hands.pick(), Some(FREE));
     }
 
     #[test]

@@ -14,6 +14,8 @@ pub(super) enum Action {
     Do(Command),
     /// Go back in time for as long as the key is held; a frame at a time while paused.
     Rewind,
+    /// Take the ball away that is at this place when its turn comes, px of the world.
+    RemoveAt(DVec2),
     ToggleFigures,
     ToggleTrails,
     ToggleHelp,

@@ -32,13 +32,13 @@ impl Waiting {
             self.actions.retain(|waiting| {
                 !matches!(
                     waiting,
-                    Action::Do(Command::Change(
-                        Change::AddRandom(_)
-                            | Change::AddBall { .. }
-                            | Change::RemoveLast
-                            | Change::Remove(_)
-                            | Change::Place { .. }
-                    ))
+                    Action::RemoveAt(_)
+                        | Action::Do(Command::Change(
+                            Change::AddRandom(_)
+                                | Change::AddBall { .. }
+                                | Change::RemoveLast
+                                | Change::Place { .. }
+                        ))
                 )
             });
         }

@@ -105,6 +105,12 @@ impl App {
                 self.hands.let_go();
                 self.rewinding = Rewinding::Back;
             }
+            Action::RemoveAt(place) => {
+                // Which ball that is may have changed since the click.
+                if let Some(index) = self.session.ball_at(place) {
+                    self.apply(Change::Remove(index).into());
+                }
+            }
             Action::ToggleHelp => self.help = !self.help,
             Action::ToggleTrails => {
                 self.trails = if self.trails.is_some() { None } else { Some(Trails::default()) };
@@ -287,8 +293,8 @@ impl App {
                 }
             }
             (MouseButton::Right, ElementState::Pressed) => {
-                if let Some(change) = self.hands.pick(&self.session) {
-                    self.ask(Action::Do(change.into()), false);
+                if let Some(place) = self.hands.pick() {
+                    self.ask(Action::RemoveAt(place), false);
                 }
             }
             _ => return,

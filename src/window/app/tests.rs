@@ -1,5 +1,7 @@
 //! Laws of the application that need no screen.
 
+use winit::event::{ElementState, MouseButton};
+
 use super::super::keys::Action;
 use super::*;
 use crate::session::{Change, Command, STEP};
@@ -103,4 +105,38 @@ fn time_that_ran_back_to_the_start_stands_there_until_the_key_is_released() {
     app.stop_rewinding();
     frame(&mut app);
     assert!(frame(&mut app) > 0.0, "time runs on");
+}
+
+/// A click of the right button on the ball of this index.
+fn right_click(app: &mut App, index: usize) {
+    app.turn = Turn::begin(Instant::now());
+    app.hands.point_at(app.session.simulation().balls()[index].position());
+    app.press(MouseButton::Right, ElementState::Pressed);
+}
+
+#[test]
+fn right_clicks_take_the_balls_away_that_they_were_on_also_where_they_wait() {
+    let mut app = app("gravity");
+    begin_work(&mut app);
+    for index in [1, 2, 13] {
+        right_click(&mut app, index);
+    }
+    app.session.work_while(|| true).unwrap();
+    let mut left = app.session.simulation().balls().to_vec();
+    for index in [13, 2, 1] {
+        left.remove(index);
+    }
+    end_work(&mut app);
+    assert_eq!(app.session.simulation().balls(), left);
+}
+
+#[test]
+fn a_ball_that_is_held_and_taken_away_is_not_held() {
+    let mut app = app("gravity");
+    app.hands.point_at(app.session.simulation().balls()[4].position());
+    app.press(MouseButton::Left, ElementState::Pressed);
+    assert!(app.hands.are_busy());
+    right_click(&mut app, 4);
+    assert_eq!(app.session.simulation().balls().len(), 14);
+    assert!(!app.hands.are_busy());
 }
