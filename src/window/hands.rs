@@ -102,6 +102,11 @@ impl Hands {
         }
     }
 
+    /// Lets go of a ball, and throws none that is about to be.
+    pub(super) fn drop_all(&mut self) {
+        self.grip = Grip::Nothing;
+    }
+
     /// What the hand does to the ball that it holds before a frame: pulls it along, or, while time stands still, puts
     /// it elsewhere.
     pub(super) fn hold(&mut self, session: &Session) -> Option<Change> {
@@ -115,8 +120,12 @@ impl Hands {
         (std::mem::replace(put, to) != to).then_some(Change::Place { ball: *index, at: to })
     }
 
-    /// The right button: the place whose ball is to go.
-    pub(super) fn pick(&self) -> Option<DVec2> {
+    /// The right button: the place whose ball is to go. Where one is about to be thrown, it is not, and that is all.
+    pub(super) fn pick(&mut self) -> Option<DVec2> {
+        if let Grip::New(_) = self.grip {
+            self.drop_all();
+            return None;
+        }
         self.pointer
     }
 
@@ -208,11 +217,14 @@ mod tests {
     }
 
     #[test]
-    fn the_right_button_is_for_the_place_of_the_pointer() {
-        let mut hands = Hands::new();
+    fn the_right_button_is_for_the_place_of_the_pointer_or_against_a_throw() {
+        let (mut hands, session) = (Hands::new(), session());
         assert_eq!(hands.pick(), None);
         hands.point_at(FREE);
         assert_eq!(hands.pick(), Some(FREE));
+        hands.press(&session).unwrap();
+        assert_eq!(hands.pick(), None);
+        assert_eq!(hands.release(), None);
     }
 
     #[test]

@@ -23,6 +23,8 @@ use crate::session::{Change, Command};
 const GRAVITY_SHOWN: Duration = Duration::from_secs(3);
 /// For so long, in wall-clock time, what keys ask for is done before the next frame; more waits for the one after.
 const LONGEST_ACT: Duration = Duration::from_millis(25);
+/// For so long after something took its time, Escape is still meant to stop that, and does not end the program.
+const LATE: Duration = Duration::from_millis(700);
 /// Pixels of a smooth wheel that count as one notch.
 const NOTCH: f64 = 40.0;
 
@@ -31,7 +33,7 @@ impl App {
     pub(super) fn lose_focus(&mut self) {
         self.modifiers = ModifiersState::empty();
         self.stop_rewinding();
-        self.hands.let_go();
+        self.hands.drop_all();
     }
 
     pub(super) fn stop_rewinding(&mut self) {
@@ -48,11 +50,12 @@ impl App {
         if self.browser.is_some() && self.browse(&event.logical_key) {
             return self.request_redraw();
         }
-        match keys::action(&event.logical_key, self.modifiers, event.repeat) {
-            None => {}
-            // What stops others does not wait for them.
-            Some(Action::Leave) => self.leave(event_loop),
-            Some(action) => self.ask(action, event.repeat),
+        let Some(action) = keys::action(&event.logical_key, self.modifiers, event.repeat) else { return };
+        // What stops others does not wait for them.
+        if action != Action::Leave {
+            self.ask(action, event.repeat);
+        } else if self.leave(Instant::now()) {
+            event_loop.exit();
         }
     }
 
@@ -82,18 +85,28 @@ impl App {
         !self.session.is_working() && self.turn.own(Instant::now()) < LONGEST_ACT
     }
 
-    /// Leaves what is under way, what lies over the picture, or the program.
-    fn leave(&mut self, event_loop: &ActiveEventLoop) {
-        if self.session.is_working() || !self.waiting.is_empty() {
+    /// Leaves what is under way, or what lies over the picture; whether that was nothing, so that the program is left.
+    pub(super) fn leave(&mut self, now: Instant) -> bool {
+        if self.is_busy() {
             self.session.stop_working();
             self.waiting.clear();
             self.say("stopped".to_owned());
+        } else if self.hands.are_busy() {
+            self.hands.drop_all();
+            self.request_redraw();
         } else if self.help {
             self.help = false;
             self.request_redraw();
         } else {
-            event_loop.exit();
+            // What the key was to stop may just have ended.
+            return self.busy.is_none_or(|at| now.saturating_duration_since(at) > LATE);
         }
+        false
+    }
+
+    /// Whether something that was asked for is not done yet.
+    pub(super) fn is_busy(&self) -> bool {
+        self.session.is_working() || !self.waiting.is_empty()
     }
 
     fn act(&mut self, action: Action) {
@@ -137,7 +150,8 @@ impl App {
     pub(super) fn open_browser(&mut self) {
         self.browser = Some(Browser::open(&self.session));
         self.help = false;
-        self.hands.let_go();
+        // The cards would take the button's release.
+        self.hands.drop_all();
         self.stop_clock();
     }
 
@@ -278,6 +292,11 @@ impl App {
             if (button, state) == (MouseButton::Left, ElementState::Pressed) && browser.select_at(at) {
                 self.open_selected();
             }
+            return self.request_redraw();
+        }
+        if self.help && state == ElementState::Pressed {
+            // The balls behind it are not what is clicked on.
+            self.help = false;
             return self.request_redraw();
         }
         self.pointed = Some(Instant::now());

@@ -69,6 +69,8 @@ pub(super) struct App {
     turn: Turn,
     /// What keys asked for that there was no time for yet.
     waiting: Waiting,
+    /// When something was last seen under way that took its time.
+    busy: Option<Instant>,
     modifiers: ModifiersState,
     hands: Hands,
     /// When the pointer was last moved.
@@ -199,6 +201,9 @@ impl ApplicationHandler for App {
         {
             self.fail(event_loop, error);
         }
+        if self.is_busy() {
+            self.busy = Some(now);
+        }
         self.catch_up();
         self.spent("what waited");
         let file = self.watch.as_ref().map(Watch::next_poll);
@@ -241,6 +246,7 @@ impl App {
             timings: options.timings.then(|| Timings::begin(Instant::now())),
             turn: Turn::begin(Instant::now()),
             waiting: Waiting::default(),
+            busy: None,
             modifiers: ModifiersState::empty(),
             hands: Hands::new(),
             pointed: None,

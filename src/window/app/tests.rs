@@ -140,3 +140,52 @@ fn a_ball_that_is_held_and_taken_away_is_not_held() {
     assert_eq!(app.session.simulation().balls().len(), 14);
     assert!(!app.hands.are_busy());
 }
+
+/// The left button goes down where no ball is, and the pointer moves on.
+fn begin_throw(app: &mut App) {
+    app.hands.point_at(DVec2::new(900.0, 300.0));
+    app.press(MouseButton::Left, ElementState::Pressed);
+    app.hands.point_at(DVec2::new(950.0, 300.0));
+    assert!(app.hands.are_busy());
+}
+
+#[test]
+fn a_throw_ends_where_its_release_would_not_be_seen() {
+    let mut app = app("draw");
+    begin_throw(&mut app);
+    app.open_browser();
+    app.press(MouseButton::Left, ElementState::Released);
+    app.close_browser();
+    assert!(!app.hands.are_busy());
+    begin_throw(&mut app);
+    app.lose_focus();
+    assert!(!app.hands.are_busy());
+}
+
+#[test]
+fn escape_ends_the_program_only_where_nothing_else_is_to_be_left() {
+    let mut app = app("draw");
+    let now = Instant::now();
+    begin_throw(&mut app);
+    assert!(!app.leave(now) && !app.hands.are_busy());
+    app.help = true;
+    assert!(!app.leave(now) && !app.help);
+    begin_work(&mut app);
+    assert!(!app.leave(now) && !app.session.is_working());
+    // It comes just after what it was to stop has ended.
+    app.busy = Some(now);
+    assert!(!app.leave(now + Duration::from_millis(500)));
+    assert!(app.leave(now + Duration::from_secs(1)));
+}
+
+#[test]
+fn a_click_on_the_help_closes_it_and_adds_no_ball_behind_it() {
+    let mut app = app("draw");
+    app.help = true;
+    app.hands.point_at(DVec2::new(900.0, 300.0));
+    for state in [ElementState::Pressed, ElementState::Released] {
+        app.press(MouseButton::Left, state);
+    }
+    assert!(!app.help);
+    assert_eq!(app.session.simulation().balls().len(), 1);
+}
