@@ -107,9 +107,10 @@ impl Gauge {
             self.last.map_or((time, count(&tally)), |(time, tally)| (time, count(&tally)));
         self.last = Some((time, tally));
         if time < before || count(&tally) < counted {
-            // A scene that begins, or goes back: what comes later has not been.
+            // A scene that begins, or goes back: what comes later has not been. Frames have, and figures stand no longer
+            // where each goes back.
             self.points.retain(|point| point.time < time);
-            self.sum = Sum::default();
+            (self.sum.simulated, self.sum.impacts) = (0.0, 0);
         } else {
             self.sum.simulated += time - before;
             self.sum.impacts += count(&tally) - counted;
@@ -249,6 +250,24 @@ mod tests {
         for (part, expected) in figures.split.into_iter().zip([1.0, 2.0, 3.0]) {
             assert!((part - expected).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn figures_go_on_where_time_runs_back() {
+        let mut simulation = Scene::load("elastic").unwrap().build().unwrap();
+        let mut states = Vec::new();
+        for _ in 0..61 {
+            states.push(simulation.clone());
+            simulation.advance(1.0 / 60.0).unwrap();
+        }
+        let (mut gauge, mut times) = (Gauge::default(), Vec::new());
+        for state in states.iter().rev() {
+            gauge.feed(&frame(state));
+            times.push(gauge.figures().unwrap().time);
+        }
+        times.dedup();
+        assert!(times.len() >= 4 && times.is_sorted_by(|a, b| a > b), "{times:?}");
+        assert_eq!(gauge.figures().unwrap().impact_rate, None);
     }
 
     #[test]

@@ -18,7 +18,7 @@ const TEXT_SIZE: f64 = 13.0;
 /// The text shrinks to this size, px, before the chart is left out.
 const LEAST_TEXT_SIZE: f64 = 10.5;
 /// Characters of the columns of names and of units; between two columns there is one more.
-const NAME: usize = 10;
+const NAME: usize = 11;
 const UNIT: usize = 4;
 /// The margin around the text, in text sizes.
 const PADDING: f64 = 1.0;
@@ -237,7 +237,7 @@ mod tests {
                 (figures.kinetic, figures.potential) = (value, value);
                 (figures.split, figures.momentum) = ([value; 3], [value; 2]);
                 for Row { name, value, unit, .. } in rows(&figures).iter().flatten() {
-                    assert!(name.chars().count() <= NAME + 1, "{name}");
+                    assert!(name.chars().count() <= NAME, "{name}");
                     assert!(value.chars().count() <= WIDTH, "{name}: {value}");
                     assert!(unit.chars().count() <= UNIT, "{unit}");
                 }
