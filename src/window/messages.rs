@@ -31,6 +31,15 @@ pub(super) struct Message {
     pub(super) opacity: f64,
 }
 
+/// What is said in the title bar.
+#[derive(Debug)]
+struct Title {
+    text: String,
+    since: Instant,
+    /// Whether it stays true whatever is said after it.
+    lasts: bool,
+}
+
 /// The last messages, over the picture and in the title bar, and the hint at the start.
 #[derive(Debug)]
 pub(super) struct Messages {
@@ -38,8 +47,8 @@ pub(super) struct Messages {
     quiet: bool,
     /// What was said over the picture last, and when.
     last: Option<(String, Tone, Instant)>,
-    /// What was said in the title bar last, and when.
-    title: Option<(String, Instant)>,
+    /// What was said in the title bar last.
+    title: Option<Title>,
     /// Since when the hint has stood.
     hint: Option<Instant>,
 }
@@ -50,15 +59,19 @@ impl Messages {
         Self { quiet, last: None, title: None, hint: (!quiet).then_some(now) }
     }
 
-    /// Says something over the picture, in place of what was said before.
+    /// Says something over the picture, in place of what was said before, and in the title bar, too, where that does not
+    /// last.
     pub(super) fn say(&mut self, text: String, tone: Tone, now: Instant) {
         self.hint = None;
+        self.title.take_if(|title| !title.lasts);
         self.last = (!self.quiet).then_some((text, tone, now));
     }
 
-    /// Says something in the title bar.
-    pub(super) fn entitle(&mut self, text: String, now: Instant) {
-        self.title = Some((text, now));
+    /// Says something in the title bar, too, until something else is said or, where it `lasts`, for as long as it stands.
+    pub(super) fn entitle(&mut self, mut text: String, lasts: bool, now: Instant) {
+        // A title is one line.
+        text.truncate(text.find('\n').unwrap_or(text.len()));
+        self.title = Some(Title { text, since: now, lasts });
     }
 
     /// What is to be seen over the picture now.
@@ -74,7 +87,7 @@ impl Messages {
 
     /// What the title bar is to say now.
     pub(super) fn title(&self, now: Instant) -> Option<&str> {
-        let (text, since) = self.title.as_ref()?;
+        let Title { text, since, .. } = self.title.as_ref()?;
         (now.saturating_duration_since(*since) < STANDS).then_some(text)
     }
 
@@ -84,7 +97,7 @@ impl Messages {
             |since: Instant, stands| (0..=STEPS).map(move |step| since + stands + FADES * step / STEPS);
         let last = self.last.iter().flat_map(|&(_, _, since)| fades(since, STANDS));
         let hint = self.hint.into_iter().flat_map(|since| fades(since, HINT_STANDS));
-        let title = self.title.iter().map(|&(_, since)| since + STANDS);
+        let title = self.title.iter().map(|title| title.since + STANDS);
         last.chain(hint).chain(title).filter(|&at| at > now).min()
     }
 }
@@ -127,10 +140,23 @@ mod tests {
         let mut messages = Messages::new(true, start);
         assert!(messages.shown(start).is_none() && messages.next_change(start).is_none());
         messages.say("so".to_owned(), Tone::Said, start);
-        messages.entitle("so".to_owned(), start);
+        messages.entitle("so".to_owned(), false, start);
         assert!(messages.shown(start).is_none());
         assert_eq!(messages.title(start), Some("so"));
         let end = messages.next_change(start).unwrap();
         assert_eq!((end, messages.title(end)), (start + STANDS, None));
+    }
+
+    #[test]
+    fn the_title_says_one_line_and_no_longer_what_something_else_was_said_after() {
+        let now = Instant::now();
+        for (lasts, after) in [(false, None), (true, Some("saved a"))] {
+            let mut messages = Messages::new(false, now);
+            messages.say("saved a\nand more".to_owned(), Tone::Said, now);
+            messages.entitle("saved a\nand more".to_owned(), lasts, now);
+            assert_eq!(messages.title(now), Some("saved a"));
+            messages.say("reset".to_owned(), Tone::Said, now);
+            assert_eq!(messages.title(now), after);
+        }
     }
 }

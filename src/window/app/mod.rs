@@ -318,20 +318,21 @@ impl App {
 
     /// Says what was done, over the picture.
     fn say(&mut self, text: String) {
-        self.tell(text, Tone::Said);
+        self.messages.say(text, Tone::Said, Instant::now());
+        self.set_title();
+        self.request_redraw();
     }
 
     /// Says what was done in the title bar, too.
     fn entitle(&mut self, text: String) {
-        self.messages.entitle(text.clone(), Instant::now());
-        self.tell(text, Tone::Said);
+        self.tell(text, Tone::Said, false);
     }
 
     /// Says what was done everywhere: a file's name may be wanted later.
     fn announce(&mut self, text: String) {
         // A window outlives the terminal that it was started from.
         let _ = writeln!(io::stderr(), "carom: {text}");
-        self.entitle(text);
+        self.tell(text, Tone::Said, true);
     }
 
     /// Says everywhere what could not be done.
@@ -341,12 +342,14 @@ impl App {
             let _ = writeln!(io::stderr(), "carom: {text}");
             self.complaint.clone_from(&text);
         }
-        self.messages.entitle(text.clone(), Instant::now());
-        self.tell(text, Tone::Wrong);
+        self.tell(text, Tone::Wrong, false);
     }
 
-    fn tell(&mut self, text: String, tone: Tone) {
-        self.messages.say(text, tone, Instant::now());
+    /// Says something over the picture and in the title bar, where it may be one that `lasts` whatever is said next.
+    fn tell(&mut self, text: String, tone: Tone, lasts: bool) {
+        let now = Instant::now();
+        self.messages.say(text.clone(), tone, now);
+        self.messages.entitle(text, lasts, now);
         self.set_title();
         self.request_redraw();
     }
