@@ -3,6 +3,7 @@
 use winit::event::{ElementState, MouseButton};
 
 use super::super::keys::Action;
+use super::super::overlay::Room;
 use super::*;
 use crate::session::{Change, Command, STEP};
 
@@ -191,4 +192,17 @@ fn a_click_on_the_help_closes_it_and_adds_no_ball_behind_it() {
     }
     assert!(!app.help);
     assert_eq!(app.session.simulation().balls().len(), 1);
+}
+
+#[test]
+fn walls_inside_of_the_picture_are_seen() {
+    let mut app = app("gravity");
+    let size = app.session.simulation().world().size();
+    let mut edge = |picture: DVec2| {
+        let room = Room { picture, scale: 1.0 };
+        app.overlay(room, 0.0, Instant::now()).edge
+    };
+    assert_eq!(edge(size), None);
+    assert_eq!(edge(size + DVec2::new(100.0, 0.0)), Some(size));
+    assert_eq!(edge(size - DVec2::new(100.0, 0.0)), None);
 }

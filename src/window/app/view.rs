@@ -89,7 +89,11 @@ impl App {
         let session = &self.session;
         let simulation = session.simulation();
         let compared = session.truth().map(|truth| Comparison::new(simulation, truth, session.errors()));
+        // In the past the world is as large as it was then.
+        let world = simulation.world();
+        let inside = (world.size() + 0.5).cmplt(room.picture / room.scale).any();
         let overlay = Overlay {
+            edge: (inside && world.walls().is_some()).then(|| world.size()),
             comparison: compared,
             hand: self.hand(now),
             gravity: gravity.then(|| session.simulation().world().gravity().unwrap_or_default()),

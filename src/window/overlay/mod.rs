@@ -3,6 +3,7 @@
 mod behind;
 mod browser;
 mod compare;
+mod edge;
 mod figures;
 mod hand;
 mod help;
@@ -26,6 +27,8 @@ const TEXT_SIZE: f64 = 15.0;
 /// What is painted over the balls in a frame. Two that are equal look the same.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Overlay {
+    /// The size of the world, px, where its walls are inside of the picture.
+    pub(super) edge: Option<DVec2>,
     /// The balls' true places.
     pub(super) comparison: Option<Comparison>,
     /// What the pointer is on, or about to do.
@@ -71,6 +74,9 @@ impl Overlay {
 
     /// Paints all of it on a picture with `scale` pixels per px of the world.
     pub(super) fn paint(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
+        if let Some(size) = self.edge {
+            edge::edge(pixmap, size, scale);
+        }
         if let Some(comparison) = &self.comparison {
             comparison.paint_places(pixmap, scale);
         }
