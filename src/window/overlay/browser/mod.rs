@@ -291,6 +291,20 @@ mod tests {
     }
 
     #[test]
+    fn where_there_are_more_cards_than_are_seen_it_is_said_which_these_are() {
+        let mut browser = browser(SIZES[2]);
+        browser.scroll(-1000);
+        let (seen, all) = (browser.seen().len(), browser.cards.len());
+        assert!(seen < all);
+        assert!(browser.notes().iter().all(|note| note.starts_with(&format!("1–{seen} of {all}"))));
+        browser.scroll(1000);
+        assert!(browser.notes().iter().all(|note| note.contains(&format!("–{all} of {all}"))));
+        browser.layout = Layout::new(DVec2::new(4000.0, 3000.0), 1.0);
+        browser.row = 0;
+        assert!(browser.notes().iter().all(|note| !note.contains(" of ")));
+    }
+
+    #[test]
     fn a_scene_of_ones_own_comes_first_and_is_marked_as_playing() {
         let mine = Scene::parse("mine.toml", "[[ball]]\nposition = [50, 50]\nradius = 9\n").unwrap();
         let browser = Browser::open(&session(&mine));

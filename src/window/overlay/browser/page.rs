@@ -60,15 +60,28 @@ impl Browser {
         let size = TEXT_SIZE * scale;
         let head = DVec2::new(self.layout.start.x, self.layout.start.y - 1.2 * size);
         text(target, head, 1.2 * size, BALL, "Scenes");
-        let keys = "arrows, Enter: open · Esc: back";
-        let right = extent.x - self.layout.start.x - width(keys, SMALL * size);
-        if right > head.x + width("Scenes", 1.2 * size) + size {
-            text(target, DVec2::new(right, head.y), SMALL * size, QUIET, keys);
+        let room = extent.x - self.layout.start.x - head.x - width("Scenes", 1.2 * size) - size;
+        let notes = self.notes();
+        if let Some(note) = notes.iter().find(|note| width(note, SMALL * size) < room) {
+            let right = extent.x - self.layout.start.x - width(note, SMALL * size);
+            text(target, DVec2::new(right, head.y), SMALL * size, QUIET, note);
         }
         for index in self.seen() {
             self.paint_card(target, index);
         }
         Some(pixmap)
+    }
+
+    /// What stands beside the heading, the first of these that has room: which cards are seen, where there are more, and
+    /// the keys.
+    pub(super) fn notes(&self) -> Vec<String> {
+        const KEYS: &str = "arrows, Enter: open · Esc: back";
+        let (seen, all) = (self.seen(), self.cards.len());
+        if seen.len() == all {
+            return vec![KEYS.to_owned()];
+        }
+        let which = format!("{}–{} of {all}", seen.start + 1, seen.end);
+        vec![format!("{which} · wheel, {KEYS}"), format!("{which} · wheel"), which]
     }
 
     /// Paints the card of this index, which is seen.
