@@ -67,6 +67,11 @@ impl Messages {
         self.last = (!self.quiet).then_some((text, tone, now));
     }
 
+    /// Says no more what beginners need to know: they do.
+    pub(super) fn end_hint(&mut self) {
+        self.hint = None;
+    }
+
     /// Says something in the title bar, too, until something else is said or, where it `lasts`, for as long as it stands.
     pub(super) fn entitle(&mut self, mut text: String, lasts: bool, now: Instant) {
         // A title is one line.

@@ -67,7 +67,12 @@ pub(super) fn past(session: &Session, rewinding: bool) -> Option<String> {
         _ if session.is_paused() => "Space: play on",
         _ => "playing again",
     };
-    Some(format!("{:.1} s ago · {how}", session.seconds_ago()))
+    Some(format!("{} ago · {how}", duration(session.seconds_ago())))
+}
+
+/// A time, s, to a tenth of a second; a shorter one in milliseconds.
+fn duration(seconds: f64) -> String {
+    if seconds < 0.1 { format!("{:.0} ms", 1e3 * seconds) } else { format!("{seconds:.1} s") }
 }
 
 fn balls(count: usize) -> String {
@@ -96,6 +101,13 @@ mod tests {
     fn a_speed_is_a_fraction_where_it_is_one_of_a_whole_number() {
         for (scale, said) in [(1.0, "1"), (16.0, "16"), (0.25, "1/4"), (0.3, "0.3"), (1.5, "1.5")] {
             assert_eq!(speed(scale), format!("speed {said}"));
+        }
+    }
+
+    #[test]
+    fn a_step_back_is_told_from_none() {
+        for (seconds, said) in [(0.0, "0 ms"), (1.0 / 60.0, "17 ms"), (0.1, "0.1 s"), (12.34, "12.3 s")] {
+            assert_eq!(duration(seconds), said);
         }
     }
 

@@ -124,7 +124,10 @@ impl App {
                     self.apply(Change::Remove(index).into());
                 }
             }
-            Action::ToggleHelp => self.help = !self.help,
+            Action::ToggleHelp => {
+                self.help = !self.help;
+                self.messages.end_hint();
+            }
             Action::ToggleTrails => {
                 self.trails = if self.trails.is_some() { None } else { Some(Trails::default()) };
                 self.painter.forget();
@@ -150,6 +153,7 @@ impl App {
     pub(super) fn open_browser(&mut self) {
         self.browser = Some(Browser::open(&self.session));
         self.help = false;
+        self.messages.end_hint();
         // The cards would take the button's release.
         self.hands.drop_all();
         self.stop_clock();

@@ -233,7 +233,7 @@ impl ApplicationHandler for App {
 
 impl App {
     pub(super) fn new(scene: &Scene, options: &Options, session: Session) -> Self {
-        Self {
+        let mut app = Self {
             scene: scene.argument().to_owned(),
             options: options.clone(),
             session,
@@ -275,7 +275,14 @@ impl App {
             title: String::new(),
             complaint: String::new(),
             failure: None,
+        };
+        if options.watch && app.watch.is_none() {
+            let name = scene.name();
+            app.complain(format!(
+                "--watch: {name} is built in, so there is no file to watch; carom scene {name} > mine.toml makes one"
+            ));
         }
+        app
     }
 
     /// Finishes what is under way, and tells where the frames' time went, if that was asked for, and what went wrong,

@@ -7,24 +7,25 @@ use super::super::overlay::Room;
 use super::*;
 use crate::session::{Change, Command, STEP};
 
+const OPTIONS: Options = Options {
+    fullscreen: false,
+    paused: false,
+    time_scale: 1.0,
+    vsync: false,
+    timings: false,
+    watch: false,
+    quiet: false,
+    seed: None,
+};
+
 /// An application without a screen that has played a scene for two seconds.
 fn app(scene: &str) -> App {
     let scene = Scene::load(scene).unwrap();
-    let options = Options {
-        fullscreen: false,
-        paused: false,
-        time_scale: 1.0,
-        vsync: false,
-        timings: false,
-        watch: false,
-        quiet: false,
-        seed: None,
-    };
     let mut session = Session::new(&scene, 1).unwrap();
     for _ in 0..120 {
         session.advance(STEP).unwrap();
     }
-    App::new(&scene, &options, session)
+    App::new(&scene, &OPTIONS, session)
 }
 
 /// Goes back by so little that the session is not done with it.
@@ -205,4 +206,25 @@ fn walls_inside_of_the_picture_are_seen() {
     assert_eq!(edge(size), None);
     assert_eq!(edge(size + DVec2::new(100.0, 0.0)), Some(size));
     assert_eq!(edge(size - DVec2::new(100.0, 0.0)), None);
+}
+
+#[test]
+fn the_hint_goes_where_what_it_hints_at_is_seen() {
+    for action in [Action::ToggleHelp, Action::ToggleBrowser] {
+        let mut app = app("draw");
+        assert!(app.messages.shown(Instant::now()).is_some());
+        hold(&mut app, action, false);
+        assert!(app.messages.shown(Instant::now()).is_none());
+    }
+}
+
+#[test]
+fn to_watch_a_scene_without_a_file_is_told_to_do_nothing() {
+    let scene = Scene::load("draw").unwrap();
+    for watch in [false, true] {
+        let options = Options { watch, ..OPTIONS };
+        let app = App::new(&scene, &options, Session::new(&scene, 1).unwrap());
+        let message = app.messages.shown(Instant::now()).unwrap();
+        assert_eq!(message.text.contains("built in"), watch, "{}", message.text);
+    }
 }
