@@ -60,15 +60,19 @@ impl Comparison {
         }
     }
 
+    /// The lower left corner of the plot in such a picture.
+    pub(super) fn lower_left(picture: DVec2, top: f64, scale: f64) -> DVec2 {
+        let scale = plot_scale(picture, scale);
+        plot_corner(picture, top, scale) + DVec2::new(0.0, PLOT.y * scale)
+    }
+
     /// Paints the plot of the error into the upper right corner, `top` pixels below the edge.
     pub(super) fn paint_plot(&self, pixmap: &mut PixmapMut<'_>, top: f64, scale: f64) {
         let Some(&(now, error)) = self.errors.last() else { return };
         let picture = extent(pixmap);
-        // As large as the scale says, but not so large that it hides what it is about.
-        let scale = scale.min((picture / PLOT_PART / PLOT).min_element());
+        let scale = plot_scale(picture, scale);
         let (size, extent) = (0.8 * TEXT_SIZE * scale, PLOT * scale);
-        let margin = MARGIN * scale;
-        let corner = DVec2::new(picture.x - extent.x - margin, top + margin).round();
+        let corner = plot_corner(picture, top, scale);
         Rounded { corner, extent, radius: 0.5 * size }.sheet(pixmap, 1.0);
         if size < 4.0 {
             return;
@@ -96,6 +100,17 @@ impl Comparison {
         }
         pen.line(pixmap, from, axes.place(now, error));
     }
+}
+
+/// As large as the scale says, but not so large that the plot hides what it is about.
+fn plot_scale(picture: DVec2, scale: f64) -> f64 {
+    scale.min((picture / PLOT_PART / PLOT).min_element())
+}
+
+/// The plot's upper left corner, where it has this scale.
+fn plot_corner(picture: DVec2, top: f64, scale: f64) -> DVec2 {
+    let margin = MARGIN * scale;
+    DVec2::new(picture.x - PLOT.x * scale - margin, top + margin).round()
 }
 
 /// Where times and errors are in the plot.

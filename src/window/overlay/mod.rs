@@ -20,6 +20,7 @@ pub(super) use browser::{Browser, Direction, Page};
 pub(super) use compare::Comparison;
 pub(super) use figures::{Frame, Gauge, Panel, Room};
 pub(super) use hand::Hand;
+use notes::Gap;
 
 /// Size of the text on sheets, px.
 const TEXT_SIZE: f64 = 15.0;
@@ -72,6 +73,21 @@ impl Overlay {
         (Self { hand: None, recording: None, message: None, ..self.clone() }, told)
     }
 
+    /// What the figures and the plot leave free at the upper edge, `top` pixels below it.
+    fn gap(&self, pixmap: &PixmapMut<'_>, top: f64, scale: f64) -> Gap {
+        let picture = sheet::extent(pixmap);
+        let mut gap = Gap { top, left: 0.0, right: picture.x, bottom: top };
+        if self.sheet != Some(Sheet::Help) {
+            if let Some(figures) = &self.figures {
+                gap.left = figures.right(scale);
+            }
+            if self.comparison.is_some() {
+                DVec2 { x: gap.right, y: gap.bottom } = Comparison::lower_left(picture, top, scale);
+            }
+        }
+        gap
+    }
+
     /// Paints all of it on a picture with `scale` pixels per px of the world.
     pub(super) fn paint(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
         if let Some(size) = self.edge {
@@ -101,7 +117,7 @@ impl Overlay {
             }
         }
         if let Some(past) = &self.past {
-            notes::past(pixmap, past, top, scale);
+            notes::past(pixmap, past, self.gap(pixmap, top, scale), scale);
         }
         if let Some(page) = &self.page {
             page.paint(pixmap);

@@ -32,10 +32,28 @@ const GRAVITY_STEP: f64 = 0.3;
 enum Place {
     Below,
     BelowRight,
-    /// At the upper edge, `top` px lower.
-    Above {
-        top: f64,
-    },
+    Above(Gap),
+}
+
+/// The room at the upper edge of a picture that other things leave, px.
+pub(super) struct Gap {
+    pub(super) top: f64,
+    /// Between these ...
+    pub(super) left: f64,
+    pub(super) right: f64,
+    /// ... and from here on to the picture's right edge.
+    pub(super) bottom: f64,
+}
+
+impl Gap {
+    /// The corner of what is so large in such a picture: in its middle as far as there is room.
+    fn corner(&self, extent: DVec2, picture: DVec2, margin: f64) -> DVec2 {
+        let fits = extent.x + 2.0 * margin <= self.right - self.left;
+        let (right, top) = if fits { (self.right, self.top) } else { (picture.x, self.bottom) };
+        let last = right - margin - extent.x;
+        let x = ((picture.x - extent.x) / 2.0).max(self.left + margin).min(last);
+        DVec2::new(x, top + margin)
+    }
 }
 
 /// Lines on a sheet.
@@ -60,7 +78,7 @@ impl Note<'_> {
         let margin = MARGIN * scale;
         let corner = match place {
             Place::Below => DVec2::new((picture.x - extent.x) / 2.0, picture.y - margin - extent.y),
-            Place::Above { top } => DVec2::new((picture.x - extent.x) / 2.0, top + margin),
+            Place::Above(gap) => gap.corner(extent, picture, margin),
             Place::BelowRight => picture - margin - extent,
         }
         .round();
@@ -90,10 +108,10 @@ pub(super) fn message(pixmap: &mut PixmapMut<'_>, message: &Message, scale: f64)
     Note { lines: &lines, opacity: message.opacity, edge, dot: None }.paint(pixmap, &Place::Below, scale);
 }
 
-/// Paints, at the upper edge, how far back in time one is.
-pub(super) fn past(pixmap: &mut PixmapMut<'_>, text: &str, top: f64, scale: f64) {
+/// Paints, at the upper edge where there is a gap, how far back in time one is.
+pub(super) fn past(pixmap: &mut PixmapMut<'_>, text: &str, gap: Gap, scale: f64) {
     let note = Note { lines: &[text.to_owned()], opacity: 1.0, edge: Some(BALL), dot: None };
-    note.paint(pixmap, &Place::Above { top }, scale);
+    note.paint(pixmap, &Place::Above(gap), scale);
 }
 
 /// Paints, in the lower right corner, that a recording has run for so many seconds.
@@ -118,4 +136,28 @@ pub(super) fn gravity(pixmap: &mut PixmapMut<'_>, gravity: DVec2, scale: f64) {
     let pen = Pen { colour: INK, opacity: 1.0, width: 2.5 * scale };
     let half = direction * length * radius;
     arrow(pixmap, pen, centre - half, centre + half, 9.0 * scale);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PICTURE: DVec2 = DVec2::new(800.0, 600.0);
+    const EXTENT: DVec2 = DVec2::new(240.0, 30.0);
+
+    #[test]
+    fn a_note_stands_in_the_middle_or_in_a_gap_or_below_what_leaves_none() {
+        for (left, right, x, y) in [
+            (0.0, 800.0, 280.0, 10.0),
+            (300.0, 800.0, 310.0, 10.0),
+            (0.0, 500.0, 250.0, 10.0),
+            (300.0, 560.0, 310.0, 10.0),
+            (300.0, 559.0, 310.0, 210.0),
+            // Over what is there rather than out of the picture.
+            (600.0, 800.0, 550.0, 210.0),
+        ] {
+            let gap = Gap { top: 0.0, left, right, bottom: 200.0 };
+            assert_eq!(gap.corner(EXTENT, PICTURE, 10.0), DVec2::new(x, y), "{left} to {right}");
+        }
+    }
 }

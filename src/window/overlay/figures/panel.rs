@@ -49,6 +49,11 @@ impl PartialEq for Panel {
 }
 
 impl Panel {
+    /// Where it ends in the picture, px.
+    pub(in crate::window) fn right(&self, scale: f64) -> f64 {
+        (MARGIN * scale).round() + f64::from(self.0.width())
+    }
+
     /// Copies it into the upper left corner, `top` pixels below the edge.
     pub(in crate::window) fn paint(&self, pixmap: &mut PixmapMut<'_>, top: f64, scale: f64) {
         let margin = (MARGIN * scale).round();
