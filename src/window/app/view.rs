@@ -103,6 +103,7 @@ impl App {
             page,
             recording: recorder.map(|_| now.saturating_duration_since(self.recording_since).as_secs()),
             message: self.messages.shown(now),
+            corners: gravity || recorder.is_some(),
         };
         let ends = [self.gravity_until, self.pointed.map(|at| at + POINTED), self.messages.next_change(now)];
         self.overlay_changes = ends.into_iter().flatten().filter(|&at| at > now).min();

@@ -46,6 +46,8 @@ pub(super) struct Overlay {
     /// How long a recording has run, s.
     pub(super) recording: Option<u64>,
     pub(super) message: Option<Message>,
+    /// Whether something stands in the lower corners that the message is to keep out of.
+    pub(super) corners: bool,
 }
 
 /// A sheet over the picture.
@@ -68,6 +70,8 @@ impl Overlay {
             hand: self.hand.clone(),
             recording: self.recording,
             message: self.message.clone(),
+            // Also where that is in the other part.
+            corners: self.corners,
             ..Self::default()
         };
         (Self { hand: None, recording: None, message: None, ..self.clone() }, told)
@@ -129,7 +133,7 @@ impl Overlay {
             help::help(pixmap, scale);
         }
         if let Some(message) = &self.message {
-            notes::message(pixmap, message, scale);
+            notes::message(pixmap, message, self.corners, scale);
         }
     }
 }

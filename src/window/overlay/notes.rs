@@ -23,6 +23,8 @@ const LONGEST_LINE: usize = 76;
 const RED: Colour = Colour(0xf0, 0x3c, 0x3c);
 /// The circle in which gravity's arrow stands: its radius, px.
 const DIAL: f64 = 36.0;
+/// What the dial, and a recording's dot with its time, take of a lower corner, px.
+const CORNER: DVec2 = DVec2::new(132.0, MARGIN + 2.0 * DIAL);
 /// The gravity from which on the arrow grows, px/s² ...
 const LEAST_GRAVITY: f64 = 10.0;
 /// ... by this part of the dial with each tenfold.
@@ -30,7 +32,10 @@ const GRAVITY_STEP: f64 = 0.3;
 
 /// Where on the picture a note stands.
 enum Place {
-    Below,
+    /// In the middle of the lower edge; above its corners where they are taken and it would reach into them.
+    Below {
+        corners: bool,
+    },
     BelowRight,
     Above(Gap),
 }
@@ -77,7 +82,11 @@ impl Note<'_> {
         let extent = needed * size;
         let margin = MARGIN * scale;
         let corner = match place {
-            Place::Below => DVec2::new((picture.x - extent.x) / 2.0, picture.y - margin - extent.y),
+            Place::Below { corners } => {
+                let meets = *corners && extent.x > picture.x - 2.0 * CORNER.x * scale;
+                let above = if meets { CORNER.y * scale } else { 0.0 };
+                DVec2::new((picture.x - extent.x) / 2.0, picture.y - above - margin - extent.y)
+            }
             Place::Above(gap) => gap.corner(extent, picture, margin),
             Place::BelowRight => picture - margin - extent,
         }
@@ -98,14 +107,15 @@ impl Note<'_> {
     }
 }
 
-/// Paints a message at the lower edge.
-pub(super) fn message(pixmap: &mut PixmapMut<'_>, message: &Message, scale: f64) {
+/// Paints a message at the lower edge, whose corners may be taken by the dial or a recording's dot.
+pub(super) fn message(pixmap: &mut PixmapMut<'_>, message: &Message, corners: bool, scale: f64) {
     let room = (extent(pixmap).x - 2.0 * MARGIN * scale) / width("m", TEXT_SIZE * scale);
     let most = (room - 2.0 * PADDING.x).clamp(12.0, LONGEST_LINE as f64) as usize;
     let paragraphs: Vec<&str> = message.text.lines().collect();
     let edge = (message.tone == Tone::Wrong).then_some(AMBER);
     let lines = wrap(&paragraphs, most);
-    Note { lines: &lines, opacity: message.opacity, edge, dot: None }.paint(pixmap, &Place::Below, scale);
+    let note = Note { lines: &lines, opacity: message.opacity, edge, dot: None };
+    note.paint(pixmap, &Place::Below { corners }, scale);
 }
 
 /// Paints, at the upper edge where there is a gap, how far back in time one is.
@@ -140,7 +150,26 @@ pub(super) fn gravity(pixmap: &mut PixmapMut<'_>, gravity: DVec2, scale: f64) {
 
 #[cfg(test)]
 mod tests {
+    use tiny_skia::Pixmap;
+
     use super::*;
+
+    /// The rows of the lower left corner, from below, on which a message of this picture's width leaves something.
+    fn rows_in_the_corner(corners: bool, width: u32) -> usize {
+        let mut pixmap = Pixmap::new(width, 300).unwrap();
+        let text = "a message that is longer than any narrow window is wide".to_owned();
+        let said = Message { text, tone: Tone::Said, opacity: 1.0 };
+        message(&mut pixmap.as_mut(), &said, corners, 1.0);
+        let taken = |y: u32| (0..CORNER.x as u32).any(|x| pixmap.pixel(x, y).unwrap().alpha() > 0);
+        (300 - CORNER.y as u32..300).filter(|&y| taken(y)).count()
+    }
+
+    #[test]
+    fn a_message_keeps_out_of_the_corners_where_they_are_taken() {
+        assert!(rows_in_the_corner(false, 400) > 0, "it is in the way");
+        assert_eq!(rows_in_the_corner(true, 400), 0);
+        assert_eq!(rows_in_the_corner(true, 1280), 0);
+    }
 
     const PICTURE: DVec2 = DVec2::new(800.0, 600.0);
     const EXTENT: DVec2 = DVec2::new(240.0, 30.0);
