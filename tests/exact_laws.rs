@@ -419,3 +419,19 @@ fn in_detect_what_overlaps_at_the_moment_of_a_frame_is_flagged_with_gravity_too(
         assert!(overlapping > 20_000 && flagged < overlapping + overlapping / 10, "{flagged} {overlapping}");
     }
 }
+
+#[test]
+fn a_window_that_becomes_narrower_gives_a_gas_no_energy() {
+    for frames in [1, 7, 28] {
+        let mut gas = Scene::load("gas").unwrap().with_solver(Solver::Exact).build().unwrap();
+        let start = kinetic_energy(gas.balls());
+        for frame in 1..=frames {
+            gas.resize(DVec2::new(1280.0 - 280.0 * f64::from(frame) / f64::from(frames), 720.0)).unwrap();
+            gas.advance(1.0 / 60.0).unwrap();
+        }
+        let overlap = max_overlap(&mut Grid::new(gas.balls(), gas.world().size()), gas.balls());
+        assert!(overlap < 1e-9, "{overlap} after {frames} frames");
+        let kept = kinetic_energy(gas.balls()) / start;
+        assert!((kept - 1.0).abs() < 1e-9, "{kept} after {frames} frames");
+    }
+}

@@ -4,15 +4,19 @@
 //! than half. Where there are more than can be followed, as among balls that are wedged in, substeps go on from there, in
 //! each of which so much may happen and no more.
 
+use std::borrow::Cow;
+
 use super::ball::Ball;
 use super::contact::{Contact, can_rest};
 use super::exact::{Exact, Pace};
 use super::grid::Grid;
 use super::invariants::{free, max_overlap};
+use super::separate::take_apart;
 use super::solver::{Advance, Frame, Part, Tuning};
 use super::world::{Pairs, World};
 
-/// Balls that overlap by more than this part of a radius at the beginning are what substeps part: gently, and however many.
+/// Balls that overlap by more than this part of a radius at the beginning are moved apart before, or are left to substeps
+/// where there is no room.
 const TOUCH: f64 = 1e-9;
 
 /// Elastic balls without gravity.
@@ -43,9 +47,16 @@ impl Elastic {
         if !elastic || balls.len() < 2 || tuning.substeps.is_some() {
             return None;
         }
-        if max_overlap(&mut Grid::new(balls, world.size), balls) > TOUCH {
-            return None;
+        let overlap = |balls: &[Ball]| max_overlap(&mut Grid::new(balls, world.size), balls);
+        let mut apart = Cow::Borrowed(balls);
+        if overlap(balls) > TOUCH {
+            // Nothing else would: there is nothing that presses them apart, and what parts takes its energy from nowhere.
+            take_apart(world, apart.to_mut());
+            if overlap(&apart) > TOUCH {
+                return None;
+            }
         }
+        let balls = &*apart;
         let exact = Exact::new(world, balls, tuning.rest_speed);
         // It would lay those to rest that have no room between walls.
         let jams = |ball: &Ball| (0..2).any(|axis| exact.jams(ball.radius, axis));
@@ -288,14 +299,23 @@ mod tests {
     }
 
     #[test]
-    fn balls_that_begin_in_each_other_are_parted_in_substeps() {
-        let world = World::new(DVec2::splat(100.0)).unwrap().with_walls(1.0).unwrap();
-        let at = |x: f64| Ball::new(DVec2::new(x, 50.0), 10.0).unwrap();
-        for (apart, events) in [(20.0, true), (20.0 - 1e-12, true), (20.0 - 1e-6, false), (15.0, false)] {
-            let balls = vec![at(30.0), at(30.0 + apart)];
-            let simulation =
-                Simulation::new(world.with_pairs(Pairs::Impulse), balls, Solver::Contact).unwrap();
-            assert_eq!(simulation.parts().contains(&Part::Events), events);
+    fn balls_that_begin_in_each_other_are_moved_apart_where_there_is_room() {
+        for (side, apart, events) in [
+            (100.0, 20.0, true),
+            (100.0, 20.0 - 1e-12, true),
+            (100.0, 15.0, true),
+            (100.0, 0.0, true),
+            (25.0, 3.0, false),
+        ] {
+            let at = |x: f64| Ball::new(DVec2::new(x, 0.5 * side), 10.0).unwrap();
+            let balls = vec![at(10.0), at(10.0 + apart)];
+            let mut simulation = boxed(side, side, balls);
+            assert_eq!(simulation.parts().contains(&Part::Events), events, "{apart} px in {side} px");
+            simulation.advance(1.0 / 60.0).unwrap();
+            let [one, other] = simulation.balls() else { panic!("two balls") };
+            let distance = one.position().distance(other.position());
+            assert!(!events || distance > 20.0 - 1e-9, "{distance} px from {apart}");
+            assert_eq!(energy(&simulation), 0.0);
         }
     }
 }

@@ -18,6 +18,7 @@ pub mod invariants;
 pub mod ledger;
 mod lesser;
 pub mod limits;
+mod separate;
 mod simultaneous;
 mod solver;
 mod world;
@@ -29,6 +30,7 @@ use clock::Clock;
 pub use fit::BuildError;
 use fit::check_fit;
 use limits::{DEFAULT_REST_SPEED, DELTA, MAX_THREADS, OutOfRange, REST_SPEED, SUBSTEPS};
+use separate::bring_in;
 use solver::{Advance, Frame, Tuning};
 pub use solver::{Part, Solver, UnknownSolver};
 pub use world::{Pairs, World};
@@ -313,20 +315,30 @@ impl Simulation {
         Ok(())
     }
 
-    /// Moves the walls, and brings balls that are then outside back in, keeping their velocities; fixed balls stay
-    /// where they are. The world never becomes narrower than its widest ball, so that every size a window may take is
-    /// allowed.
+    /// Moves the walls, and brings balls that are then outside back in, keeping their velocities; what these are pushed
+    /// into gives way, as far as there is room, but not with [`Solver::Canvas`], as in the demo. Fixed balls stay where
+    /// they are. The world never becomes narrower than its widest ball, so that every size a window may take is allowed.
     ///
     /// # Errors
     /// [`OutOfRange`] where a side is NaN, infinite or larger than a world may be; nothing has changed then.
     pub fn resize(&mut self, size: DVec2) -> Result<(), OutOfRange> {
+        // A maximum would make a number of a NaN.
+        if !size.is_finite() {
+            self.world.with_size(size)?;
+        }
         let mut size = size.max(DVec2::splat(limits::SIZE.low));
         if self.world.walls.is_some() {
             let widest = self.balls.iter().map(|ball| 2.0 * ball.radius).fold(0.0, f64::max);
             size = size.max(DVec2::splat(widest));
         }
+        let from = self.world.size;
         self.world = self.world.with_size(size)?;
-        if self.world.walls.is_some() {
+        if self.world.walls.is_some()
+            && self.world.pairs == Some(Pairs::Impulse)
+            && self.solver != Solver::Canvas
+        {
+            bring_in(&self.world, from, &mut self.balls);
+        } else if self.world.walls.is_some() {
             for ball in self.balls.iter_mut().filter(|ball| !ball.is_fixed()) {
                 ball.position = within(ball.position, ball.radius, size);
             }
@@ -393,7 +405,11 @@ mod tests {
             assert_eq!(simulation.world().size(), DVec2::splat(80.0));
             assert_eq!(simulation.balls()[0].position(), DVec2::splat(40.0));
         }
-        assert!(simulation.resize(DVec2::new(f64::INFINITY, 100.0)).is_err());
+        for wrong in [f64::INFINITY, f64::NAN] {
+            let before = simulation.world().size();
+            assert!(simulation.resize(DVec2::new(wrong, 100.0)).is_err());
+            assert_eq!(simulation.world().size(), before);
+        }
         assert_eq!(simulation.world().size(), DVec2::splat(80.0));
     }
 

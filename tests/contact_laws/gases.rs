@@ -222,3 +222,19 @@ fn elastic_box(number: u32) -> f64 {
     (0..600).for_each(|_| simulation.advance(FRAME).unwrap());
     (energy(&simulation) / start - 1.0).abs()
 }
+
+#[test]
+fn elastic_balls_that_begin_in_each_other_part_and_gain_nothing() {
+    let pairs = [(100.0, 100.0), (100.0, 110.0), (100.0, 139.0)];
+    for (one, other) in pairs {
+        for speed in [0.0, 50.0] {
+            let balls = vec![ball(one, 100.0, 20.0), moving(ball(other, 100.0, 20.0), 0.0, speed)];
+            let mut parting = simulation(world(400.0, 400.0, 1.0), balls);
+            let start = energy(&parting);
+            (0..300).for_each(|_| parting.advance(FRAME).unwrap());
+            assert!(overlap(&parting) < 1e-3, "{other} px, {speed} px/s: {}", overlap(&parting));
+            assert!(energy(&parting) <= start * (1.0 + 1e-9), "{other} px, {speed} px/s");
+            assert!(energy(&parting) >= start * (1.0 - 1e-9), "{other} px, {speed} px/s");
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Takes apart balls that were pushed into each other: by a wall that was moved, or by whoever put them there.
+//!
+//! A wall that comes nearer moves what it meets, and that what is behind it: places change, velocities do not. Left in each
+//! other, balls would have to part by themselves, and the energy for that would come from nowhere.
+
+use glam::DVec2;
+
+use super::ball::Ball;
+use super::grid::Grid;
+use super::within;
+use super::world::World;
+
+/// Sweeps over all pairs that overlap, at most, where a wall has moved by a step, and at the end: what is not apart by then
+/// is left to the solver.
+const SWEEPS_OF_STEP: u32 = 8;
+const SWEEPS: u32 = 64;
+/// In so many of the first, what is behind gives way to what is nearer to the walls; then each of a pair goes half of the way.
+const DIRECTED: u32 = 16;
+/// A wall moves in steps of the smallest radius, but in so many at most.
+const STEPS: f64 = 128.0;
+/// Balls are apart where they overlap by less than this part of the distance at which they touch: solvers take that for
+/// rounding.
+const APART: f64 = 1e-9;
+/// ... and are moved apart by this part more: few sweeps do then, and what flies has room, or a heap would have impacts without
+/// end.
+const FARTHER: f64 = 1e-2;
+/// More than this part of the world is not filled without overlaps: balls of one size fill 0.84 of it at random.
+const FULLEST: f64 = 0.84;
+/// Where there are more pairs than so many a ball, they lie in one heap, which takes too long.
+const PAIRS: usize = 32;
+
+/// Brings balls into a world whose walls were those of a world of another size, and what they are pushed into out of their
+/// way, as far as there is room.
+pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball]) {
+    let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
+    let has_room = has_room(world, balls);
+    let steps =
+        if has_room { ((from - world.size).max_element() / smallest).ceil().clamp(1.0, STEPS) } else { 1.0 };
+    let steps = steps as u32;
+    for step in 1..=steps {
+        let size = from.lerp(world.size, f64::from(step) / f64::from(steps)).max(world.size);
+        let world = World { size, ..*world };
+        let mut pushed = false;
+        for ball in balls.iter_mut().filter(|ball| !ball.is_fixed()) {
+            let inside = within(ball.position, ball.radius, size);
+            pushed |= inside != ball.position;
+            ball.position = inside;
+        }
+        if pushed && has_room {
+            take_apart_in(&world, balls, if step == steps { SWEEPS } else { SWEEPS_OF_STEP });
+        }
+    }
+}
+
+/// Moves balls that overlap apart, none of them through a wall, as far as there is room; fixed ones stay.
+pub(super) fn take_apart(world: &World, balls: &mut [Ball]) {
+    if has_room(world, balls) {
+        take_apart_in(world, balls, SWEEPS);
+    }
+}
+
+/// Whether the world may hold these balls without overlaps.
+fn has_room(world: &World, balls: &[Ball]) -> bool {
+    let area: f64 = balls.iter().map(|ball| std::f64::consts::PI * ball.radius * ball.radius).sum();
+    world.walls.is_none() || area <= FULLEST * world.size.x * world.size.y
+}
+
+/// The same in so many sweeps at most: away from the walls that may have moved, as long as that helps.
+fn take_apart_in(world: &World, balls: &mut [Ball], sweeps: u32) {
+    // Walls move at the right and below.
+    let far = |ball: &Ball| (world.size - ball.position).min_element();
+    let mut grid = Grid::new(balls, world.size);
+    let mut pairs = Vec::new();
+    for sweep in 0..sweeps {
+        if !grid.find_up_to(PAIRS * balls.len(), balls) {
+            return;
+        }
+        // From the walls inwards: what is behind those that were moved gives way to them in the same sweep.
+        pairs.clear();
+        pairs.extend(grid.touching().iter().map(|&(one, other)| {
+            let (one, other) = (one as usize, other as usize);
+            let (near, behind) = (far(&balls[one]), far(&balls[other]));
+            if near <= behind { (near, one, other) } else { (behind, other, one) }
+        }));
+        pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        // What is between two that are both nearer to the walls would be moved to and fro for ever.
+        let share = if sweep < DIRECTED { 1.0 } else { 0.5 };
+        let parted =
+            pairs.iter().filter(|&&(_, near, behind)| part(world, balls, near, behind, share)).count();
+        if parted == 0 {
+            return;
+        }
+    }
+}
+
+/// Moves two balls apart: the one behind by its share, if it can be, and the one nearer to the walls by the rest. Whether they
+/// overlapped.
+fn part(world: &World, balls: &mut [Ball], near: usize, behind: usize, share: f64) -> bool {
+    let offset = balls[behind].position - balls[near].position;
+    let (distance, reach) = (offset.length(), balls[near].radius + balls[behind].radius);
+    if distance >= (1.0 - APART) * reach || (balls[near].is_fixed() && balls[behind].is_fixed()) {
+        return false;
+    }
+    let way = if distance > 0.0 { offset / distance } else { direction(near, behind) };
+    let mut left = reach - distance + FARTHER * reach;
+    for (index, way, share) in [(behind, way, share), (near, -way, 1.0), (behind, way, 1.0)] {
+        let ball = &mut balls[index];
+        if !ball.is_fixed() && left > 0.0 {
+            let (from, to) = (ball.position, ball.position + way * (share * left));
+            ball.position = if world.walls.is_some() { within(to, ball.radius, world.size) } else { to };
+            left -= (ball.position - from).dot(way);
+        }
+    }
+    true
+}
+
+/// A direction in which two balls in one place part: another for other pairs, so that many go all ways.
+fn direction(one: usize, other: usize) -> DVec2 {
+    // Without sines, which differ from machine to machine; the golden ratio spreads them.
+    let golden = 0.618_033_988_749_894_9;
+    let t = 2.0 * (golden * (3 * one + other) as f64).fract() - 1.0;
+    DVec2::new(1.0 - t * t, 2.0 * t) / (1.0 + t * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::invariants::max_overlap;
+    use super::super::world::Pairs;
+    use super::*;
+
+    fn world(width: f64, height: f64) -> World {
+        World::new(DVec2::new(width, height)).unwrap().with_walls(1.0).unwrap().with_pairs(Pairs::Impulse)
+    }
+
+    fn ball(x: f64, y: f64, radius: f64) -> Ball {
+        Ball::new(DVec2::new(x, y), radius).unwrap()
+    }
+
+    fn overlap(world: &World, balls: &[Ball]) -> f64 {
+        max_overlap(&mut Grid::new(balls, world.size), balls)
+    }
+
+    #[test]
+    fn what_overlaps_is_apart_after_and_nothing_else_has_moved() {
+        let world = world(100.0, 60.0);
+        let mut balls = vec![
+            ball(10.0, 10.0, 10.0),
+            ball(15.0, 10.0, 5.0),
+            ball(50.0, 30.0, 5.0),
+            ball(53.0, 30.0, 5.0).fixed(),
+            ball(80.0, 30.0, 4.0),
+            ball(80.0, 30.0, 4.0),
+            ball(80.0, 45.0, 4.0),
+        ];
+        let before = balls.clone();
+        take_apart(&world, &mut balls);
+        assert!(overlap(&world, &balls) < 1e-8, "{}", overlap(&world, &balls));
+        assert_eq!([before[3], before[6]], [balls[3], balls[6]]);
+        let held = balls.iter().all(|ball| within(ball.position, ball.radius, world.size) == ball.position);
+        assert!(held, "{balls:?}");
+    }
+
+    #[test]
+    fn where_there_is_no_room_balls_are_left_as_they_are() {
+        let balls: Vec<Ball> = (0..50).map(|k| ball(5.0 + f64::from(k % 10), 5.0, 5.0)).collect();
+        let mut crowd = balls.clone();
+        take_apart(&world(30.0, 30.0), &mut crowd);
+        assert_eq!(crowd, balls);
+    }
+}
