@@ -4,8 +4,6 @@
 //! than half. Where there are more than can be followed, as among balls that are wedged in, substeps go on from there, in
 //! each of which so much may happen and no more.
 
-use std::borrow::Cow;
-
 use super::ball::Ball;
 use super::contact::{Contact, can_rest};
 use super::exact::{Exact, Pace};
@@ -48,15 +46,17 @@ impl Elastic {
             return None;
         }
         let overlap = |balls: &[Ball]| max_overlap(&mut Grid::new(balls, world.size), balls);
-        let mut apart = Cow::Borrowed(balls);
+        let mut apart = Vec::new();
+        let mut balls = balls;
         if overlap(balls) > TOUCH {
             // Nothing else would: there is nothing that presses them apart, and what parts takes its energy from nowhere.
-            take_apart(world, apart.to_mut());
-            if overlap(&apart) > TOUCH {
+            apart.extend_from_slice(balls);
+            take_apart(world, &mut apart);
+            balls = &apart;
+            if overlap(balls) > TOUCH {
                 return None;
             }
         }
-        let balls = &*apart;
         let exact = Exact::new(world, balls, tuning.rest_speed);
         // It would lay those to rest that have no room between walls.
         let jams = |ball: &Ball| (0..2).any(|axis| exact.jams(ball.radius, axis));

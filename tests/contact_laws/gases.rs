@@ -238,3 +238,27 @@ fn elastic_balls_that_begin_in_each_other_part_and_gain_nothing() {
         }
     }
 }
+
+#[test]
+fn what_falls_without_walls_keeps_its_momentum_however_it_meets() {
+    let kept = |balls: Vec<Ball>| {
+        let under = World::new(DVec2::splat(600.0)).unwrap().with_gravity(EARTH).unwrap();
+        let mut falling = simulation(under.with_pairs(Pairs::Impulse), balls);
+        let start = momentum(falling.balls());
+        (0..180).for_each(|_| falling.advance(FRAME).unwrap());
+        let law = start + EARTH * 3.0 * falling.balls().iter().map(Ball::mass).sum::<f64>();
+        let off = momentum(falling.balls()).distance(law);
+        assert!(off < 1e-9 * law.length(), "{off} of {law}");
+        assert!(falling.tally().impacts > 0);
+    };
+    let still = |x: f64, y: f64| ball(x, y, 20.0).with_restitution(0.0).unwrap();
+    kept(vec![
+        moving(still(488.0, 132.0), -224.0, 201.0),
+        moving(still(114.0, 412.0), 198.0, -120.0),
+        moving(still(278.0, 246.0), 26.0, 63.0),
+    ]);
+    // A heap that a heavy one falls upon.
+    let heap = (0..20).map(|k| still(100.0 + 40.0 * f64::from(k % 5), 200.0 + 40.0 * f64::from(k / 5)));
+    let heavy = moving(still(190.0, 100.0).with_mass(50.0).unwrap(), 0.0, 300.0);
+    kept(heap.chain([heavy]).collect());
+}

@@ -125,6 +125,8 @@ pub(super) struct Contact {
     team: Team,
     /// Whether balls notice each other.
     pairs: bool,
+    /// Whether something may carry them that falls with none of them: walls, or fixed balls.
+    grounded: bool,
     /// Whether each body is held by others or by a wall.
     held: Vec<bool>,
     course: Course,
@@ -163,6 +165,7 @@ impl Contact {
             near: (pairs || world.walls.is_some()).then(Near::default),
             team: Team::default(),
             pairs,
+            grounded: is_grounded(world, balls),
             held: Vec::new(),
             course: Course::default(),
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
@@ -201,7 +204,8 @@ impl Contact {
             let presses = self.setting.kick != DVec2::ZERO;
             let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
             self.sweep(&[
-                if !presses {
+                if !presses || !self.grounded {
+                    // Stopped on what falls as it does, a ball would slow down all of them.
                     Pass::NOTHING
                 } else if self.passes_on() {
                     Pass::CARRY_AND_PASS_ON
@@ -377,6 +381,11 @@ pub(super) fn can_rest(world: &World, balls: &[Ball]) -> bool {
     world.gravity.is_some() || takes_energy
 }
 
+/// Whether there is anything that may carry balls and falls with none of them.
+fn is_grounded(world: &World, balls: &[Ball]) -> bool {
+    world.walls.is_some() || balls.iter().any(Ball::is_fixed)
+}
+
 /// Whether there are balls that notice each other.
 fn has_pairs(world: &World, balls: &[Ball]) -> bool {
     world.pairs == Some(Pairs::Impulse) && balls.len() > 1
@@ -446,6 +455,7 @@ impl Advance for Contact {
         {
             return false;
         }
+        self.grounded = is_grounded(world, balls);
         let known = self.bodies.len();
         for (id, ball) in (known as u32..).zip(&balls[known..]) {
             let body = Body::new(ball, self.setting.kick);
