@@ -89,6 +89,8 @@ struct Setting {
     kick: DVec2,
     /// Whether balls can come to rest: there is gravity, or something takes energy.
     can_rest: bool,
+    /// Whether something may carry balls that falls with none of them: walls, or fixed balls.
+    grounded: bool,
     /// A pair that holds each other bounces only where it meets faster than this, px/s, and than its load asks for.
     firm: f64,
     /// Overlaps are taken away at so many sums of both radii a second, at most.
@@ -125,8 +127,6 @@ pub(super) struct Contact {
     team: Team,
     /// Whether balls notice each other.
     pairs: bool,
-    /// Whether something may carry them that falls with none of them: walls, or fixed balls.
-    grounded: bool,
     /// Whether each body is held by others or by a wall.
     held: Vec<bool>,
     course: Course,
@@ -147,7 +147,8 @@ impl Contact {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
         let pairs = has_pairs(world, balls);
         let substeps = Substeps::new(world, balls, tuning);
-        let setting = Setting::new(world, can_rest(world, balls), &substeps, tuning);
+        let mut setting = Setting::new(world, can_rest(world, balls), &substeps, tuning);
+        setting.grounded = is_grounded(world, balls);
         let kick = setting.kick;
         let bodies: Vec<_> = balls.iter().map(|ball| Body::new(ball, kick)).collect();
         Self {
@@ -165,7 +166,6 @@ impl Contact {
             near: (pairs || world.walls.is_some()).then(Near::default),
             team: Team::default(),
             pairs,
-            grounded: is_grounded(world, balls),
             held: Vec::new(),
             course: Course::default(),
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
@@ -204,7 +204,7 @@ impl Contact {
             let presses = self.setting.kick != DVec2::ZERO;
             let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
             self.sweep(&[
-                if !presses || !self.grounded {
+                if !presses || !self.setting.grounded {
                     // Stopped on what falls as it does, a ball would slow down all of them.
                     Pass::NOTHING
                 } else if self.passes_on() {
@@ -455,7 +455,7 @@ impl Advance for Contact {
         {
             return false;
         }
-        self.grounded = is_grounded(world, balls);
+        self.setting.grounded = is_grounded(world, balls);
         let known = self.bodies.len();
         for (id, ball) in (known as u32..).zip(&balls[known..]) {
             let body = Body::new(ball, self.setting.kick);

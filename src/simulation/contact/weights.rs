@@ -38,10 +38,11 @@ impl Contact {
     /// Finds what balls weigh where they are held, where pairs were searched or that was long ago. Whether any weighs
     /// something else than before.
     pub(super) fn weigh_balls(&mut self, searched: bool) -> bool {
-        let Self { setting, bodies, rests, grounded, near: Some(near), .. } = self else { return false };
+        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return false };
         if searched {
             // Without gravity nothing presses, and without anything to lie on, nothing does for long.
-            near.weights.differ = *grounded && setting.kick != DVec2::ZERO && are_unequal(bodies, rests);
+            near.weights.differ =
+                setting.grounded && setting.kick != DVec2::ZERO && are_unequal(bodies, rests);
         } else if !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
             return false;
         }
