@@ -232,7 +232,7 @@ fn take_up(
 ) -> bool {
     if shift == Shift::Far {
         let_go(hold, first, second);
-        return setting.kick != DVec2::ZERO && hold_at_end(setting, hold, first, second);
+        return hold_at_end(setting, hold, first, second);
     }
     let offset = first.position - second.position;
     let squared = offset.length_squared();
