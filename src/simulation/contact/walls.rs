@@ -77,7 +77,7 @@ pub(super) fn meet_walls(
         let mut first = before.first;
         first[axis] = since + landed.first;
         let mut rests = before.landed;
-        if landed.at.is_none() && body.velocity[axis] != body.free[axis] {
+        if landed.lies {
             rests.add(Axes::of(axis));
         }
         met = Some(Met {
@@ -130,7 +130,7 @@ fn meet_wall(
         // it would just come to it, rounding would decide whether that holds it or it hops on.
         body.position[axis] = wall;
         (body.velocity[axis], body.free[axis]) = (0.0, change);
-        return Some(landed);
+        return Some(Landed { lies: true, ..landed });
     }
     // What it would have been, had nothing held it.
     let velocity = match landed.at {
@@ -194,6 +194,8 @@ struct Hop {
 struct Landed {
     /// Its state at the end; `None` where it rests on the wall.
     at: Option<Hop>,
+    /// Whether it rests with nothing but gravity to press it, and was laid there.
+    lies: bool,
     /// When it bounced again for the last time, s, but for hops in which it hardly moves; 0 where it did not.
     time: f64,
     bounces: u32,
@@ -233,7 +235,16 @@ impl Hop {
                     speed: speed + acceleration * left,
                     acceleration,
                 };
-                return Landed { at: Some(at), time: last, bounces, counted, first, fastest, impulse };
+                return Landed {
+                    at: Some(at),
+                    lies: false,
+                    time: last,
+                    bounces,
+                    counted,
+                    first,
+                    fastest,
+                    impulse,
+                };
             }
             left -= wait;
             first = first.min(time - left);
@@ -247,7 +258,16 @@ impl Hop {
             self = Self { height: 0.0, speed: e * arrival, acceleration };
             let short = 2.0 * self.speed <= -acceleration * SHORTEST_HOP * substep;
             if short || bounces == BOUNCES {
-                return Landed { at: None, time: last, bounces, counted, first, fastest, impulse };
+                return Landed {
+                    at: None,
+                    lies: false,
+                    time: last,
+                    bounces,
+                    counted,
+                    first,
+                    fastest,
+                    impulse,
+                };
             }
         }
     }
