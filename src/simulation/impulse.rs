@@ -12,6 +12,15 @@ use super::ball::Ball;
 /// always the same: the demo divides zero by zero here.
 pub(super) const COINCIDENT_NORMAL: DVec2 = DVec2::X;
 
+/// Where a ball is seen from another at the same point, as if it were at this distance: in a direction of the pair's own, so
+/// that many go all ways.
+pub(super) fn any_offset(one: usize, other: usize, distance: f64) -> DVec2 {
+    // A unit vector without sines, which differ from machine to machine; the golden ratio spreads them.
+    let golden = 0.618_033_988_749_894_9;
+    let t = 2.0 * (golden * (3 * one.min(other) + one.max(other)) as f64).fract() - 1.0;
+    distance * DVec2::new(1.0 - t * t, 2.0 * t) / (1.0 + t * t)
+}
+
 /// The two forms in which the demo writes the law. They agree to rounding where e = 1, and differ in the last bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {

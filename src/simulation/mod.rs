@@ -333,15 +333,9 @@ impl Simulation {
         }
         let from = self.world.size;
         self.world = self.world.with_size(size)?;
-        if self.world.walls.is_some()
-            && self.world.pairs == Some(Pairs::Impulse)
-            && self.solver != Solver::Canvas
-        {
-            bring_in(&self.world, from, &mut self.balls);
-        } else if self.world.walls.is_some() {
-            for ball in self.balls.iter_mut().filter(|ball| !ball.is_fixed()) {
-                ball.position = within(ball.position, ball.radius, size);
-            }
+        if self.world.walls.is_some() {
+            let gives_way = self.world.pairs == Some(Pairs::Impulse) && self.solver != Solver::Canvas;
+            bring_in(&self.world, from, &mut self.balls, gives_way);
         }
         self.rebuild();
         Ok(())

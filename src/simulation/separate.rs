@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use super::ball::Ball;
 use super::grid::Grid;
+use super::impulse::any_offset;
 use super::within;
 use super::world::World;
 
@@ -29,14 +30,13 @@ const FULLEST: f64 = 0.84;
 /// Where there are more pairs than so many a ball, they lie in one heap, which takes too long.
 const PAIRS: usize = 32;
 
-/// Brings balls into a world whose walls were those of a world of another size, and what they are pushed into out of their
-/// way, as far as there is room.
-pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball]) {
+/// Brings balls into a world whose walls were those of a world of another size, and, where that `gives_way`, what they are
+/// pushed into out of their way, as far as there is room.
+pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool) {
     let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
-    let has_room = has_room(world, balls);
-    let steps =
-        if has_room { ((from - world.size).max_element() / smallest).ceil().clamp(1.0, STEPS) } else { 1.0 };
-    let steps = steps as u32;
+    let gives_way = gives_way && has_room(world, balls);
+    let far = if gives_way { (from - world.size).max_element() / smallest } else { 0.0 };
+    let steps = far.ceil().clamp(1.0, STEPS) as u32;
     for step in 1..=steps {
         let size = from.lerp(world.size, f64::from(step) / f64::from(steps)).max(world.size);
         let world = World { size, ..*world };
@@ -46,7 +46,7 @@ pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball]) {
             pushed |= inside != ball.position;
             ball.position = inside;
         }
-        if pushed && has_room {
+        if pushed && gives_way {
             take_apart_in(&world, balls, if step == steps { SWEEPS } else { SWEEPS_OF_STEP });
         }
     }
@@ -101,7 +101,7 @@ fn part(world: &World, balls: &mut [Ball], near: usize, behind: usize, share: f6
     if distance >= (1.0 - APART) * reach || (balls[near].is_fixed() && balls[behind].is_fixed()) {
         return false;
     }
-    let way = if distance > 0.0 { offset / distance } else { direction(near, behind) };
+    let way = if distance > 0.0 { offset / distance } else { any_offset(near, behind, 1.0) };
     let mut left = reach - distance + FARTHER * reach;
     for (index, way, share) in [(behind, way, share), (near, -way, 1.0), (behind, way, 1.0)] {
         let ball = &mut balls[index];
@@ -112,14 +112,6 @@ fn part(world: &World, balls: &mut [Ball], near: usize, behind: usize, share: f6
         }
     }
     true
-}
-
-/// A direction in which two balls in one place part: another for other pairs, so that many go all ways.
-fn direction(one: usize, other: usize) -> DVec2 {
-    // Without sines, which differ from machine to machine; the golden ratio spreads them.
-    let golden = 0.618_033_988_749_894_9;
-    let t = 2.0 * (golden * (3 * one + other) as f64).fract() - 1.0;
-    DVec2::new(1.0 - t * t, 2.0 * t) / (1.0 + t * t)
 }
 
 #[cfg(test)]

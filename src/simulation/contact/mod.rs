@@ -13,7 +13,8 @@
 //!    holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
-//! At a frame's end the balls are shown as they are then (`show`, `legs`).
+//! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
+//! `legs`).
 //!
 //! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`); passes
 //! that follow each other go through them as caches like it (`sweep`).
@@ -21,6 +22,7 @@
 //! Velocities are those half-way between two positions (leapfrog), so that a ball at rest has none. Frames evaluate the
 //! substeps and never write back, so the result does not depend on how time is cut into frames.
 
+mod advance;
 mod body;
 mod cover;
 mod energy;
@@ -56,7 +58,7 @@ use super::ball::Ball;
 use super::clock::Clock;
 use super::grid::Grid;
 use super::world::{Pairs, World};
-use super::{Advance, Frame, Part, Tally, Tuning, within};
+use super::{Tally, Tuning, within};
 use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
@@ -147,8 +149,8 @@ impl Contact {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
         let pairs = has_pairs(world, balls);
         let substeps = Substeps::new(world, balls, tuning);
-        let mut setting = Setting::new(world, can_rest(world, balls), &substeps, tuning);
-        setting.grounded = is_grounded(world, balls);
+        let setting = Setting::new(world, can_rest(world, balls), &substeps, tuning);
+        let setting = Setting { grounded: is_grounded(world, balls), ..setting };
         let kick = setting.kick;
         let bodies: Vec<_> = balls.iter().map(|ball| Body::new(ball, kick)).collect();
         Self {
@@ -389,124 +391,4 @@ fn is_grounded(world: &World, balls: &[Ball]) -> bool {
 /// Whether there are balls that notice each other.
 fn has_pairs(world: &World, balls: &[Ball]) -> bool {
     world.pairs == Some(Pairs::Impulse) && balls.len() > 1
-}
-
-impl Advance for Contact {
-    fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
-        let (from, target) = (self.clock, self.clock.after(seconds));
-        let (over, rest) = target.steps(self.substeps.rate);
-        let last = over + u64::from(rest > 0.0);
-        if self.all_asleep && self.before.is_empty() {
-            // Nothing moves, and what was shown still stands.
-            self.sleep_until(last);
-            self.clock = target;
-            return seconds;
-        }
-        let (mut stopped, mut held_found) = (false, false);
-        while self.steps < last && !stopped {
-            if self.all_asleep {
-                self.before.clear();
-                self.sleep_until(last);
-                break;
-            }
-            // One stripe is not worth waking threads for.
-            let is_cut = Layout::of(self.bodies.len()).is_cut();
-            if is_cut {
-                self.team.start(self.tuning.threads);
-            }
-            let team = if is_cut { self.team.clone() } else { Team::default() };
-            team.gather(|| {
-                self.before.clear();
-                if self.steps + self.substeps.next_length() > over {
-                    self.find_held(&team);
-                    self.before = (0..self.bodies.len()).map(|at| self.start_of(at)).collect();
-                }
-                self.step(frame.tally);
-                held_found = self.steps >= last;
-                if held_found {
-                    self.find_held_by_balls(&team);
-                }
-            });
-            stopped = !go_on();
-        }
-        if !held_found {
-            self.find_held_by_balls(&Team::default());
-        }
-        if self.steps < last {
-            self.clock = Clock::at_step(self.steps, self.substeps.rate).max(from);
-            self.show(frame, 0.0);
-            self.clock.seconds_since(from)
-        } else {
-            self.clock = target;
-            if rest == 0.0 && self.steps == over {
-                self.before.clear();
-            }
-            self.show(frame, self.share());
-            seconds
-        }
-    }
-
-    fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
-        let tuning = self.tuning;
-        if Substeps::new(world, balls, tuning).rate != self.substeps.rate
-            || has_pairs(world, balls) != self.pairs
-            || can_rest(world, balls) != self.setting.can_rest
-            || self.shown.is_some()
-        {
-            return false;
-        }
-        self.setting.grounded = is_grounded(world, balls);
-        let known = self.bodies.len();
-        for (id, ball) in (known as u32..).zip(&balls[known..]) {
-            let body = Body::new(ball, self.setting.kick);
-            self.bodies.push(body);
-            self.rests.push(Rest::new(&body));
-            self.restitutions.push(ball.restitution);
-            self.ids.push(id);
-            self.hit.push(false);
-            if !self.before.is_empty() {
-                self.before.push(Start::of(ball));
-            }
-        }
-        self.all_asleep = false;
-        true
-    }
-
-    fn set_velocity(&mut self, _: &World, balls: &[Ball], index: usize) -> bool {
-        let ball = &balls[index];
-        let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
-        self.wake_by_hand(at);
-        let body = &mut self.bodies[at];
-        // What held it holds it no longer.
-        body.velocity = ball.velocity - 0.5 * self.setting.kick;
-        body.free = body.velocity;
-        if let Some(start) = self.before.get_mut(at) {
-            start.velocity = ball.velocity;
-        }
-        true
-    }
-
-    fn substeps(&self) -> Option<[u32; 2]> {
-        Some(self.substeps.range(self.bodies.len(), self.setting.gravity))
-    }
-
-    fn within_substep(&self) -> f64 {
-        let share = if self.before.is_empty() { 0.0 } else { self.share() };
-        share.min(1.0 - share) * self.substeps.seconds()
-    }
-
-    fn parts(&self, world: &World) -> Vec<Part> {
-        let mut parts = Part::of_motion(world);
-        if self.pairs || self.shown.is_some() {
-            parts.push(Part::Grid);
-        }
-        if self.pairs {
-            parts.push(Part::Impulse);
-        }
-        parts
-    }
-
-    fn clone_boxed(&self) -> Box<dyn Advance> {
-        Box::new(self.clone())
-    }
 }

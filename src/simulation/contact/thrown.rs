@@ -9,6 +9,7 @@
 use glam::DVec2;
 
 use super::fates::{Fate, Shift};
+use super::find::Near;
 use super::holds::Hold;
 use super::layout::Layer;
 use super::stripes::Stripes;
@@ -62,21 +63,15 @@ impl Contact {
         if near.stripes.iter().all(|stripe| stripe.thrown.is_empty()) {
             return;
         }
-        near.link_pairs(bodies.len());
         let mut thrown = Vec::new();
         for number in layout.numbers(Layer::Own) {
             let start = layout.start(number);
             thrown.extend(near.stripes[number].thrown.drain(..).map(|body| start + body as usize));
         }
         let most = |at: usize| setting.most_held(&course.fates[at]);
-        let mut others = Vec::new();
-        while let Some(at) = thrown.pop() {
-            let Body { free, velocity, .. } = bodies[at];
-            near.all().let_go_of(at, bodies, let_go, &mut others);
-            let velocity = velocity.clamp_length_max(free.length().max(most(at)));
-            (bodies[at].velocity, bodies[at].free) = (velocity, velocity);
-            thrown.extend(others.drain(..).filter(|&other| is_thrown(&bodies[other], most(other))));
-        }
+        near.let_go_of_all(thrown, bodies, let_go, most, |body, most| {
+            body.velocity.clamp_length_max(body.free.length().max(most))
+        });
     }
 
     /// Forgets what would throw balls at the beginning of a substep, and takes it back: where balls weigh something else than
@@ -84,16 +79,32 @@ impl Contact {
     pub(super) fn take_back_thrown(&mut self) {
         let Self { setting, bodies, near: Some(near), .. } = self else { return };
         let most = THROWN * setting.kick.length();
-        let mut thrown: Vec<_> = (0..bodies.len()).filter(|&at| is_thrown(&bodies[at], most)).collect();
+        let thrown: Vec<_> = (0..bodies.len()).filter(|&at| is_thrown(&bodies[at], most)).collect();
         if thrown.is_empty() {
             return;
         }
-        near.link_pairs(bodies.len());
+        near.let_go_of_all(thrown, bodies, take_back, |_| most, |body, _| body.free);
+    }
+}
+
+impl Near {
+    /// Lets go of these bodies, as `forget` does it with each hold, and then of those that what held them against these
+    /// throws: by more than `most` says, px/s. Each goes on with the velocity that `anew` makes of what it was, and of that.
+    fn let_go_of_all(
+        &mut self,
+        mut thrown: Vec<usize>,
+        bodies: &mut [Body],
+        forget: fn(&mut Hold, &mut Body, &mut Body),
+        most: impl Fn(usize) -> f64,
+        anew: impl Fn(&Body, f64) -> DVec2,
+    ) {
+        self.link_pairs(bodies.len());
         let mut others = Vec::new();
         while let Some(at) = thrown.pop() {
-            near.all().let_go_of(at, bodies, take_back, &mut others);
-            bodies[at].velocity = bodies[at].free;
-            thrown.extend(others.drain(..).filter(|&other| is_thrown(&bodies[other], most)));
+            let velocity = anew(&bodies[at], most(at));
+            self.all().let_go_of(at, bodies, forget, &mut others);
+            (bodies[at].velocity, bodies[at].free) = (velocity, velocity);
+            thrown.extend(others.drain(..).filter(|&other| is_thrown(&bodies[other], most(other))));
         }
     }
 }

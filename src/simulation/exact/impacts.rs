@@ -15,7 +15,7 @@ use glam::DVec2;
 
 use crate::simulation::Tally;
 use crate::simulation::flight::{self, DEEP};
-use crate::simulation::impulse::{exact_impact, held_impact};
+use crate::simulation::impulse::{any_offset, exact_impact, held_impact};
 
 use super::flights::{Marks, Matter};
 use super::settle::FIRM;
@@ -62,14 +62,6 @@ impl Meeting {
         let velocity = if e * approach < least { offset * (-faster / length) } else { velocity };
         Self { offset, velocity }
     }
-}
-
-/// Where a ball is seen from another at the same point: in a direction of the pair's own, very near it.
-fn any_direction(one: usize, other: usize) -> DVec2 {
-    // A unit vector without sines, which differ from machine to machine; the golden ratio spreads them.
-    let golden = 0.618_033_988_749_894_9;
-    let t = 2.0 * (golden * (3 * one.min(other) + one.max(other)) as f64).fract() - 1.0;
-    1e-9 * DVec2::new(1.0 - t * t, 2.0 * t) / (1.0 + t * t)
 }
 
 /// The shares of two masses in a change of their relative velocity: each the other's over the sum.
@@ -183,7 +175,8 @@ impl Exact {
         let ((p1, v1), (p2, v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
         let mut meeting = Meeting { offset: p1 - p2, velocity: v1 - v2 };
         if meeting.offset == DVec2::ZERO {
-            meeting.offset = any_direction(one, other);
+            // Very near it.
+            meeting.offset = any_offset(one, other, 1e-9);
         }
         if N::HOLDS && !meeting.slower_than(FIRM * self.rest_speed) {
             for slot in [one, other] {
