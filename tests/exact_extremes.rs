@@ -5,7 +5,7 @@ use carom::simulation::grid::Grid;
 use carom::simulation::invariants::{
     kinetic_energy, max_overlap, max_wall_overlap, non_finite, potential_energy,
 };
-use carom::{Ball, DVec2, Pairs, Simulation, Solver, World};
+use carom::{Ball, DVec2, Pairs, Scene, Simulation, Solver, World};
 use proptest::prelude::*;
 
 fn ball(x: f64, y: f64, radius: f64, vx: f64, vy: f64) -> Ball {
@@ -51,6 +51,45 @@ fn a_storm_of_impacts_among_few_balls_can_be_cut_short() {
         let mut simulation = exact(boxed(100.0, 100.0, 0.0, 1.0), balls);
         let done = simulation.advance_while(1.0, || false).unwrap();
         assert!(done < 1e-3 && simulation.tally().wall_hits < 10_000, "{done}: {:?}", simulation.tally());
+    }
+}
+
+#[test]
+fn light_balls_between_heavy_ones_take_no_endless_impacts_and_are_not_overlapped() {
+    // Among masses over twelve powers of ten, some are squeezed by what rolls over them, or into corners and wedges. Elastic,
+    // each of these would go to and fro millions of times before it stopped the heavy one, and again when that came back.
+    for seed in 0..60_u32 {
+        let mut file = String::from(
+            "solver = \"exact\"\nsize = [300, 300]\ngravity = [100, 980]\n[pairs]\n\
+             [[ball]]\nposition = [90, 250]\nradius = 25\nfixed = true\n\
+             [[ball]]\nposition = [210, 250]\nradius = 25\nfixed = true\n",
+        );
+        file += &format!("[walls]\nrestitution = {}\n", [0.0, 0.5, 0.8, 1.0][seed as usize % 4]);
+        for kind in 0..8 {
+            let mass = 10_f64.powi(((7 * seed + 5 * kind) % 13) as i32 - 6);
+            let restitution = [0.0, 0.3, 0.7, 0.95][((seed + kind) / 3) as usize % 4];
+            let radius = [5.0, 8.0, 13.0, 21.0][(seed + 3 * kind) as usize % 4];
+            file += &format!(
+                "[[fill]]\ncount = 1\nradius = {radius}\nmass = {mass}\nrestitution = {restitution}\nspeed = 200\n\
+                 seed = {}\n",
+                8 * seed + kind
+            );
+        }
+        let mut simulation = Scene::parse("squeezed", &file).unwrap().build().unwrap();
+        let mut looks = 0;
+        for frame in 0..180 {
+            // A look at every 256 events.
+            let done = simulation.advance_while(1.0 / 60.0, || {
+                looks += 1;
+                looks < 2000
+            });
+            assert_eq!(done, Ok(1.0 / 60.0), "scene {seed}, frame {frame}: {:?}", simulation.tally());
+            let overlap = max_overlap(
+                &mut Grid::new(simulation.balls(), simulation.world().size()),
+                simulation.balls(),
+            );
+            assert!(overlap < 1e-9, "scene {seed}, frame {frame}: {overlap}");
+        }
     }
 }
 

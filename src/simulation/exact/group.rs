@@ -7,6 +7,9 @@ use glam::DVec2;
 const UNBALANCED: f64 = 1e-3;
 /// The part of the approach that may be left when it is taken: what is left, the next impacts see to.
 const PRECISION: f64 = 1e-6;
+/// A ball between others of more than so many times its mass takes, to stop them, some three times as many impacts as the
+/// root of that.
+pub(super) const RATTLER: f64 = 100.0;
 /// How often it is tried to find those contacts that push.
 const ROUNDS: usize = 12;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
@@ -33,7 +36,9 @@ pub(super) struct Contact {
     pub(super) give: f64,
     /// The force, or the momentum, that each gives to the other.
     pub(super) push: f64,
-    /// Whether there is to be no relative motion along the contact; else there is no push.
+    /// How fast the two are to part at least, px/s.
+    pub(super) least: f64,
+    /// Whether there is to be no other relative motion along the contact; else there is no push.
     pub(super) pushes: bool,
 }
 
@@ -64,6 +69,11 @@ impl Contact {
         (motions[self.one] - other).dot(self.normal)
     }
 
+    /// The same beyond what they are to.
+    fn spare(&self, motions: &[DVec2]) -> f64 {
+        self.parting(motions) - self.least
+    }
+
     /// Changes the motions of the two by a push.
     pub(super) fn apply(&self, push: f64, motions: &mut [DVec2], inverse_masses: &[f64]) {
         motions[self.one] += self.normal * (push * inverse_masses[self.one]);
@@ -92,7 +102,7 @@ impl Group {
     pub(super) fn add_contact(&mut self, one: usize, against: Support, normal: DVec2) {
         let theirs = if let Support::Member(other) = against { self.inverse_masses[other] } else { 0.0 };
         let give = self.inverse_masses[one] + theirs;
-        self.contacts.push(Contact { one, against, normal, give, push: 0.0, pushes: false });
+        self.contacts.push(Contact { one, against, normal, give, push: 0.0, least: 0.0, pushes: false });
     }
 
     /// Takes the approach from velocities, as impacts without restitution would in the end. Returns how many steps it
@@ -110,6 +120,35 @@ impl Group {
         self.velocities = velocities;
         let walls = contacts.iter().filter(|contact| contact.against == Support::Wall);
         (steps, walls.map(|contact| contact.normal * contact.push).sum())
+    }
+
+    /// Lets members that touch and of which one is so much heavier that the other would go to and fro between it and the next
+    /// by the thousand before it stopped it part at `least`, px/s, unless they stay. Returns how many steps it took.
+    pub(super) fn part_unlike(&mut self, least: f64) -> usize {
+        let (mut velocities, mut contacts) = (self.velocities.clone(), self.contacts.clone());
+        let mut found = false;
+        for contact in &mut contacts {
+            contact.push = 0.0;
+            let (one, Support::Member(other)) = (contact.one, contact.against) else { continue };
+            let (give, gives) = (self.inverse_masses[one], self.inverse_masses[other]);
+            let unlike = give.max(gives) > RATTLER * give.min(gives);
+            if unlike && !self.members[one].stays && !self.members[other].stays {
+                (contact.least, found) = (least, true);
+            }
+        }
+        if !found {
+            return 0;
+        }
+        let steps = relieve(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * least);
+        let mass: f64 = self.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).sum();
+        let (most, given) = (mass * least * least, self.energy(&velocities) - self.energy(&self.velocities));
+        // What a wedge moves counts as many times as heavy: it parts more slowly. Where no answer was found, there is none.
+        let part = if given > most { (most / given).sqrt() } else { 1.0 };
+        if contacts.iter().all(|contact| contact.spare(&velocities) > -0.5 * least) {
+            let each = self.velocities.iter_mut().zip(velocities);
+            each.for_each(|(velocity, parted)| *velocity = velocity.lerp(parted, part));
+        }
+        steps
     }
 
     /// Twice their kinetic energy.
@@ -155,7 +194,7 @@ impl Group {
 fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
     let mut steps = 0;
     for contact in &mut *contacts {
-        contact.pushes = contact.parting(motions) <= 0.0;
+        contact.pushes = contact.spare(motions) <= 0.0;
     }
     for _ in 0..ROUNDS {
         contacts.sort_by_key(|contact| !contact.pushes);
@@ -169,7 +208,7 @@ fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contac
             }
         }
         for contact in &mut contacts[pushing..] {
-            if contact.parting(motions) < -enough {
+            if contact.spare(motions) < -enough {
                 (contact.pushes, found) = (true, false);
             }
         }
@@ -184,7 +223,7 @@ fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contac
 /// are, by preconditioned conjugate gradients (Hestenes & Stiefel 1952), and returns how many steps it took.
 fn solve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
     let most = 2 * contacts.len() + 20;
-    let mut residuals: Vec<f64> = contacts.iter().map(|contact| -contact.parting(motions)).collect();
+    let mut residuals: Vec<f64> = contacts.iter().map(|contact| -contact.spare(motions)).collect();
     let mut directions = vec![0.0; contacts.len()];
     let mut moved = vec![DVec2::ZERO; motions.len()];
     let mut before = f64::INFINITY;

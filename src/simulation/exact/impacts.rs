@@ -31,7 +31,7 @@ const LEAST_HOP: f64 = 0.5;
 const BARELY: f64 = 1e-3;
 /// ... once so many hits came one soon after the other: a ball on the floor that is hit goes to and fro a few times
 /// between what hit it and the floor, and loses what it should.
-const QUICK: u16 = 8;
+pub(super) const QUICK: u16 = 8;
 /// The demo's gravity, px/s²: the rest speed is meant for it, and where there is none it sets chatter's time scale.
 pub(super) const EARTH: f64 = 980.0;
 /// A ball that hits a wall is as near to it as this part of the world's size. One that is not began beyond it, and
@@ -138,7 +138,9 @@ impl Exact {
         velocity[axis] = if rests { 0.0 } else { -before * self.wall_restitution(speed < chatter_speed) };
         tally.wall_hits += u64::from(speed > 0.0);
         tally.wall_impulse[axis] += mass * (velocity[axis] - before);
-        let chatters = speed < chatter_speed && self.wall_restitution(false) < 1.0;
+        let chatters = speed < chatter_speed;
+        // That of an elastic wall says nothing: it would lose nothing either way.
+        let counts = !chatters || self.wall_restitution(false) < 1.0;
         self.set_out(slot, (position, velocity), now);
         let marks = &mut self.marks[slot];
         marks.set(Marks::rests_on(axis), rests);
@@ -146,8 +148,10 @@ impl Exact {
             // So long a hop is one of its own; what is pressed to the wall by others hits it sooner.
             marks.set(Marks::LEANS, false);
         }
-        marks.note_chatter(chatters);
-        let long = marks.chatter() == Marks::MOST_CHATTER;
+        if counts {
+            marks.note_chatter(chatters);
+        }
+        let long = counts && marks.chatter() == Marks::MOST_CHATTER;
         self.foresee::<N>(slot, now);
         if long {
             self.settle::<N>(tally, slot, now);
@@ -294,7 +298,7 @@ impl Exact {
 
     /// The least speed, px/s, at which a ball parts from one that rests: slower, gravity would close the contact again
     /// at once, for ever.
-    fn least_hop(&self, e: f64) -> f64 {
+    pub(super) fn least_hop(&self, e: f64) -> f64 {
         LEAST_HOP * self.rest_speed * if e < 1.0 { 1.0 } else { CONSERVATIVE }
     }
 

@@ -14,7 +14,8 @@ use crate::simulation::Tally;
 use crate::simulation::flight::DEEP;
 
 use super::flights::{Flight, Marks, Matter};
-use super::group::{Group, Member, Support};
+use super::group::{Group, Member, RATTLER, Support};
+use super::impacts::QUICK;
 use super::{Exact, LEAN, Needs};
 
 /// How slow balls that touch, but have not chattered, are beside each other if they are of one group, in rest speeds.
@@ -58,6 +59,7 @@ impl Exact {
             steps += group.balance(gravity);
             group.choose(gravity, self.rest_speed, self.at_once > STUCK);
         }
+        steps += group.part_unlike(self.least_hop(0.0));
         let cost = (group.members.len() + steps * group.contacts.len() / STEPS_PER_EVENT) as i64;
         // Where nothing comes to rest, it is too early.
         let in_vain = group.members.iter().all(|member| !member.stays);
@@ -160,7 +162,8 @@ impl Exact {
                 let is_new = found[slot] == NONE && !matter.is_fixed();
                 if is_new {
                     let speed = (group.velocities[at] - their_velocity).dot(normal).abs();
-                    let joins = held || restless(slot) || speed < SLOW * self.rest_speed;
+                    let rattles = self.rattles::<N>(one, slot) || self.rattles::<N>(slot, one);
+                    let joins = held || restless(slot) || rattles || speed < SLOW * self.rest_speed;
                     if joins && group.members.len() < LARGEST {
                         found[slot] = add(&mut group, slot);
                     } else if !held {
@@ -183,6 +186,12 @@ impl Exact {
         group.members.iter().for_each(|member| found[member.slot] = NONE);
         self.found = found;
         group
+    }
+
+    /// Whether a ball goes to and fro beside one that is so much heavier: how fast it does says nothing of that.
+    fn rattles<N: Needs>(&self, light: usize, heavy: usize) -> bool {
+        let unlike = self.matter::<N>(heavy).mass > RATTLER * self.matter::<N>(light).mass;
+        unlike && self.marks[light].quick_hits() >= QUICK
     }
 
     /// Ends the hold on a ball; whoever does it lets it set out, and finds out what comes next.
