@@ -1,7 +1,8 @@
 //! Scenes: the built-in ones are what the demo has, and run; wrong ones are refused with line, reason and remedy.
 
-use carom::simulation::invariants::{max_wall_overlap, non_finite};
-use carom::{DVec2, Part, Scene, SceneError, Simulation, scene};
+use carom::simulation::grid::Grid;
+use carom::simulation::invariants::{max_overlap, max_wall_overlap, non_finite};
+use carom::{DVec2, Part, Scene, SceneError, Simulation, Solver, scene};
 
 #[test]
 fn every_scene_runs_ten_seconds_with_nothing_non_finite_and_nothing_outside_its_walls() {
@@ -497,4 +498,22 @@ fn rain_refuses_a_delta_that_is_no_time_before_anything_moves() {
         assert!(rain.advance_while(&mut simulation, delta, || true).is_err());
     }
     assert_eq!((simulation.time(), simulation.balls().len()), (0.0, 0));
+}
+
+#[test]
+fn a_scene_in_a_smaller_world_begins_between_its_walls_with_nothing_in_anything_else() {
+    for solver in [Solver::Exact, Solver::Contact] {
+        for name in ["walls", "elastic", "gravity", "cradle"] {
+            let scene =
+                Scene::load(name).unwrap().with_size(DVec2::splat(300.0)).unwrap().with_solver(solver);
+            let mut simulation = scene.build().unwrap();
+            for _ in 0..60 {
+                simulation.advance(1.0 / 60.0).unwrap();
+                let (world, balls) = (simulation.world(), simulation.balls());
+                assert!(max_wall_overlap(world, balls) < 1e-9, "{name}, {solver}");
+                let overlap = max_overlap(&mut Grid::new(balls, world.size()), balls);
+                assert!(name == "walls" || overlap < 0.01, "{name}, {solver}: {overlap}");
+            }
+        }
+    }
 }

@@ -30,7 +30,7 @@ use clock::Clock;
 pub use fit::BuildError;
 use fit::check_fit;
 use limits::{DEFAULT_REST_SPEED, DELTA, MAX_THREADS, OutOfRange, REST_SPEED, SUBSTEPS};
-use separate::bring_in;
+use separate::{bring_in, bring_strays_in};
 use solver::{Advance, Frame, Tuning};
 pub use solver::{Part, Solver, UnknownSolver};
 pub use world::{Pairs, World};
@@ -93,12 +93,13 @@ impl Tally {
 }
 
 impl Simulation {
-    /// A simulation at time 0.
+    /// A simulation at time 0. Balls outside of the walls are brought in, as by [`resize`](Self::resize), if there is room.
     ///
     /// # Errors
     /// [`BuildError`] where a ball does not fit between the walls, or where there are too many balls.
-    pub fn new(world: World, balls: Vec<Ball>, solver: Solver) -> Result<Self, BuildError> {
+    pub fn new(world: World, mut balls: Vec<Ball>, solver: Solver) -> Result<Self, BuildError> {
         check_fit(&world, &balls, 0)?;
+        bring_strays_in(&world, &mut balls, solver);
         let touching = vec![false; balls.len()];
         let tuning = Tuning { rest_speed: DEFAULT_REST_SPEED, substeps: None, sleep: true, threads: 1 };
         let engine = solver.engine(&world, &balls, tuning);
@@ -256,7 +257,8 @@ impl Simulation {
         self.engine.parts(&self.world)
     }
 
-    /// Adds balls behind those that are there.
+    /// Adds balls behind those that are there. Those outside of the walls are brought in, as by [`resize`](Self::resize), if
+    /// there is room.
     ///
     /// # Errors
     /// [`BuildError`] where one does not fit between the walls, or they are too many; none is added then.
@@ -264,7 +266,8 @@ impl Simulation {
         check_fit(&self.world, balls, self.balls.len())?;
         self.balls.extend_from_slice(balls);
         self.touching.resize(self.balls.len(), false);
-        if !self.engine.add(&self.world, &self.balls) {
+        let moved = bring_strays_in(&self.world, &mut self.balls, self.solver);
+        if moved || !self.engine.add(&self.world, &self.balls) {
             self.rebuild();
         }
         Ok(())
@@ -334,8 +337,7 @@ impl Simulation {
         let from = self.world.size;
         self.world = self.world.with_size(size)?;
         if self.world.walls.is_some() {
-            let gives_way = self.world.pairs == Some(Pairs::Impulse) && self.solver != Solver::Canvas;
-            bring_in(&self.world, from, &mut self.balls, gives_way);
+            bring_in(&self.world, from, &mut self.balls, self.solver != Solver::Canvas);
         }
         self.rebuild();
         Ok(())
@@ -354,6 +356,7 @@ impl Simulation {
     /// Goes on with another solver from the state as it is.
     pub fn set_solver(&mut self, solver: Solver) {
         self.solver = solver;
+        bring_strays_in(&self.world, &mut self.balls, solver);
         self.rebuild();
     }
 

@@ -8,8 +8,9 @@ use glam::DVec2;
 use super::ball::Ball;
 use super::grid::Grid;
 use super::impulse::any_offset;
+use super::solver::Solver;
 use super::within;
-use super::world::World;
+use super::world::{Pairs, World};
 
 /// Sweeps over all pairs that overlap, at most, where a wall has moved by a step, and at the end: what is not apart by then
 /// is left to the solver.
@@ -34,7 +35,7 @@ const PAIRS: usize = 32;
 /// pushed into out of their way, as far as there is room.
 pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool) {
     let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
-    let gives_way = gives_way && has_room(world, balls);
+    let gives_way = gives_way && world.pairs == Some(Pairs::Impulse) && has_room(world, balls);
     let far = if gives_way { (from - world.size).max_element() / smallest } else { 0.0 };
     let steps = far.ceil().clamp(1.0, STEPS) as u32;
     for step in 1..=steps {
@@ -50,6 +51,24 @@ pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way
             take_apart_in(&world, balls, if step == steps { SWEEPS } else { SWEEPS_OF_STEP });
         }
     }
+}
+
+/// Brings balls that stand outside of the walls in, as if these had come from beyond them, and returns whether there are any.
+/// `canvas` does so itself, in the demo's way. Where there is no room for them all they are left outside: pressed into each other,
+/// they would have impacts without end.
+pub(super) fn bring_strays_in(world: &World, balls: &mut [Ball], solver: Solver) -> bool {
+    let strays = |ball: &Ball| {
+        let outside = within(ball.position, ball.radius, world.size) - ball.position;
+        !ball.is_fixed() && outside.abs().max_element() > APART * ball.radius
+    };
+    let may = world.walls.is_some() && solver != Solver::Canvas && has_room(world, balls);
+    let found = may && balls.iter().any(strays);
+    if found {
+        let free = balls.iter().filter(|ball| !ball.is_fixed());
+        let from = free.fold(world.size, |size, ball| size.max(ball.position + ball.radius));
+        bring_in(world, from, balls, true);
+    }
+    found
 }
 
 /// Moves balls that overlap apart, none of them through a wall, as far as there is room; fixed ones stay.
@@ -117,7 +136,6 @@ fn part(world: &World, balls: &mut [Ball], near: usize, behind: usize, share: f6
 #[cfg(test)]
 mod tests {
     use super::super::invariants::max_overlap;
-    use super::super::world::Pairs;
     use super::*;
 
     fn world(width: f64, height: f64) -> World {
@@ -150,6 +168,29 @@ mod tests {
         assert_eq!([before[3], before[6]], [balls[3], balls[6]]);
         let held = balls.iter().all(|ball| within(ball.position, ball.radius, world.size) == ball.position);
         assert!(held, "{balls:?}");
+    }
+
+    #[test]
+    fn what_begins_outside_of_the_walls_is_brought_in_and_pushes_what_is_in_its_way() {
+        let world = world(100.0, 60.0);
+        let begun = [
+            ball(500.0, 30.0, 5.0),
+            ball(92.0, 30.0, 5.0),
+            ball(-3.0, 70.0, 5.0),
+            ball(200.0, 30.0, 9.0).fixed(),
+        ];
+        for solver in [Solver::Exact, Solver::Contact] {
+            let mut balls = begun;
+            assert!(bring_strays_in(&world, &mut balls, solver));
+            assert!(overlap(&world, &balls) < 1e-8, "{balls:?}");
+            assert_eq!(balls[0].position.x, 95.0);
+            assert_eq!(balls[2].position, DVec2::new(5.0, 55.0));
+            assert_eq!(balls[3], begun[3]);
+            assert!(!bring_strays_in(&world, &mut balls, solver));
+        }
+        let mut left = begun;
+        assert!(!bring_strays_in(&world, &mut left, Solver::Canvas));
+        assert_eq!(left, begun);
     }
 
     #[test]
