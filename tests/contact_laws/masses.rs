@@ -157,6 +157,32 @@ fn a_light_ball_that_rattles_between_heavy_ones_gives_them_no_energy() {
     }
 }
 
+/// It counts as no less than a quarter as dense as they: what falls with it weighs no more than it does. They came apart with
+/// up to seven times the energy that all began with.
+#[test]
+fn a_light_ball_that_drives_heavy_ones_apart_gives_them_no_more_energy_than_it_has() {
+    for (light, restitution) in
+        [0.2, 0.5, 1.0, 3.0, 10.0].into_iter().flat_map(|mass| [(mass, 0.0), (mass, 0.5)])
+    {
+        let on_floor = |x: f64| ball(x, 290.0, 10.0).with_mass(25.0).unwrap();
+        let lies = |x: f64, y: f64| ball(x, y, 22.0).with_mass(light).unwrap();
+        let between_two = vec![on_floor(180.0), on_floor(220.0), lies(200.0, 265.0)];
+        let at_the_wall = vec![on_floor(40.0), lies(22.0, 263.5)];
+        for balls in [between_two, at_the_wall] {
+            let balls = balls.into_iter().map(|ball| ball.with_restitution(restitution).unwrap()).collect();
+            let mut simulation =
+                simulation(world(400.0, 300.0, restitution).with_gravity(EARTH).unwrap(), balls);
+            let mut least = energy(&simulation);
+            for frame in 0..180 {
+                simulation.advance(FRAME).unwrap();
+                let now = energy(&simulation);
+                assert!(now < 1.01 * least, "{light}, {restitution}, frame {frame}: {now} after {least}");
+                least = least.min(now);
+            }
+        }
+    }
+}
+
 /// It counts as heavier there, but nothing holds it.
 #[test]
 fn a_light_ball_that_flies_by_a_heavy_one_or_off_it_goes_as_in_exact() {

@@ -4,49 +4,63 @@
 //! pressed in the last substep may press on nothing in this one: each of these may be energy from nowhere. So balls that
 //! become faster by what holds them take together no more than it takes from others. Impacts see to their own energy.
 
+use glam::DVec2;
+
 use super::Contact;
 
 impl Contact {
-    /// Notes how fast unlike balls are, after their impacts, without what holds them.
+    /// Notes the energy of unlike balls after their impacts, without what holds them.
     pub(super) fn note_energy(&mut self) {
-        let Self { bodies, near: Some(near), .. } = self else { return };
+        let Self { setting, bodies, near: Some(near), .. } = self else { return };
         near.weights.unheld.clear();
         if near.weights.differ {
-            near.weights.unheld.extend(bodies.iter().map(|body| body.free.length_squared()));
+            near.weights.unheld.extend(bodies.iter().map(|body| energy(body.free, setting.kick)));
         }
     }
 
-    /// Slows unlike balls that have become faster by what holds them, where they have gained more than others have lost.
+    /// Slows unlike balls that have gained energy by what holds them, where they have gained more than others have lost.
     pub(super) fn keep_energy(&mut self) {
-        let Self { bodies, rests, near: Some(near), .. } = self else { return };
+        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
+        let kick = setting.kick;
         // With what they weigh, whatever they count with.
         let balls =
             || bodies.iter().zip(&*rests).zip(&near.weights.unheld).filter(|((_, rest), _)| rest.own > 0.0);
         let (mut gained, mut lost) = (0.0, 0.0);
         for ((body, rest), &unheld) in balls() {
-            let change = (body.velocity.length_squared() - unheld) / rest.own;
+            let change = (energy(body.velocity, kick) - unheld) / rest.own;
             *(if change > 0.0 { &mut gained } else { &mut lost }) += change.abs();
         }
         if gained <= lost {
             return;
         }
         for (body, &unheld) in bodies.iter_mut().zip(&near.weights.unheld) {
-            let now = body.velocity.length_squared();
-            if now > unheld {
-                let kept = (unheld + (now - unheld) * (lost / gained)) / now;
-                let change = body.velocity * (kept.sqrt() - 1.0);
+            let change = energy(body.velocity, kick) - unheld;
+            if change > 0.0 {
+                let kept = unheld + change * (lost / gained);
+                let slower = body.velocity * (speed_of(kept, body.velocity, kick) - 1.0);
                 // As if an impact had: what holds it goes on.
-                body.velocity += change;
-                body.free += change;
+                body.velocity += slower;
+                body.free += slower;
             }
         }
     }
 }
 
+/// Twice the energy, for its mass, that a ball has with this velocity, which gravity's kick has changed already: its height has
+/// not followed yet. So what only falls keeps its energy, and so does what is kept from falling.
+fn energy(velocity: DVec2, kick: DVec2) -> f64 {
+    velocity.length_squared() - velocity.dot(kick)
+}
+
+/// The part of its velocity with which a ball has an energy, which is less than it has; all of it where there is no such part.
+fn speed_of(energy: f64, velocity: DVec2, kick: DVec2) -> f64 {
+    let (square, along) = (velocity.length_squared(), velocity.dot(kick));
+    let root = (along * along + 4.0 * square * energy).max(0.0).sqrt();
+    if square > 0.0 { ((along + root) / (2.0 * square)).clamp(0.0, 1.0) } else { 1.0 }
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
-
     use super::super::super::ball::Ball;
     use super::super::super::world::{Pairs, World};
     use super::super::{Body, Tuning};
@@ -80,12 +94,26 @@ mod tests {
         contact.bodies[heavy].velocity = DVec2::new(100.0, 0.0);
         contact.bodies[heavy].free = DVec2::new(60.0, 0.0);
         contact.keep_energy();
-        // The light one has lost 50² - 30².
-        let speed = (1600.0_f64 / 1e4).sqrt();
+        // The light one has lost 50² - 30², and will be higher than it would have been.
+        let speed = ((1600.0 - 70.0 * contact.setting.kick.y) / 1e4).sqrt();
         let Body { velocity, free, .. } = contact.bodies[heavy];
         assert!((velocity - DVec2::new(speed, 0.0)).length() < 1e-12, "{velocity}");
         assert!((velocity - free - DVec2::new(40.0, 0.0)).length() < 1e-12, "what holds it goes on");
         assert_eq!(contact.bodies[light].velocity, DVec2::new(0.0, -30.0));
+    }
+
+    #[test]
+    fn what_is_kept_from_falling_gives_no_energy_to_others() {
+        let mut contact = unlike();
+        let (heavy, light) = (at(&contact, 0), at(&contact, 1));
+        for body in &mut contact.bodies {
+            body.free = body.velocity + contact.setting.kick;
+        }
+        contact.note_energy();
+        contact.bodies[heavy].velocity = DVec2::ZERO;
+        contact.bodies[light].velocity = DVec2::new(100.0, 0.0);
+        contact.keep_energy();
+        assert_eq!(contact.bodies[light].velocity, DVec2::ZERO);
     }
 
     #[test]
