@@ -97,8 +97,14 @@ impl Advance for Contact {
         let ball = &balls[index];
         let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
         self.wake_by_hand(at);
-        let body = &mut self.bodies[at];
         // What held it holds it no longer.
+        if let Some(near) = &mut self.near {
+            near.let_go_of_walls(at);
+        }
+        if let Some(held) = self.held.get_mut(at) {
+            *held = false;
+        }
+        let body = &mut self.bodies[at];
         body.velocity = ball.velocity - 0.5 * self.setting.kick;
         body.free = body.velocity;
         if let Some(start) = self.before.get_mut(at) {

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::fates::Axes;
+use super::find::Near;
 use super::holds::Beside;
 use super::meeting::strike;
 use super::{Body, SHIFT, Setting, Tally};
@@ -269,6 +270,17 @@ impl Hop {
                     impulse,
                 };
             }
+        }
+    }
+}
+
+impl Near {
+    /// Takes it that no wall holds a body any more.
+    pub(super) fn let_go_of_walls(&mut self, at: usize) {
+        for (number, stripe) in self.stripes.iter_mut().enumerate() {
+            let start = self.layout.start(number);
+            let its = stripe.beside.iter_mut().filter(|beside| start + beside.body as usize == at);
+            its.for_each(|beside| beside.push = DVec2::ZERO);
         }
     }
 }
