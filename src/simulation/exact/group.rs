@@ -9,7 +9,7 @@ const UNBALANCED: f64 = 1e-3;
 const PRECISION: f64 = 1e-6;
 /// A ball between others of more than so many times its mass takes, to stop them, some three times as many impacts as the
 /// root of that.
-pub(super) const RATTLER: f64 = 100.0;
+pub(super) const RATTLER: f64 = 20.0;
 /// How often it is tried to find those contacts that push.
 const ROUNDS: usize = 12;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
