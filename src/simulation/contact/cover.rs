@@ -131,14 +131,33 @@ impl Near {
         if !self.homes[at].covers(end) && !self.crowd {
             let way = 0.5 * body.velocity * (setting.substep - time);
             let home = Home { position: end - way, reach: way.length() + self.skin(body, setting) };
-            self.change_home(at, home, bodies, setting);
-            if self.seeks_pairs {
-                let (number, own) = self.layout.place_of(at);
-                self.stripes[number].leaving.push(own);
-                let (around, stripes) = self.around(bodies, setting);
-                around.find_more_of(number, &mut stripes[number]);
-                self.add_across(number, bodies);
-            }
+            self.rehome(at, home, bodies, setting);
+        }
+    }
+
+    /// Covers a ball everywhere on a way. Pairs must be linked.
+    pub(super) fn cover_way(
+        &mut self,
+        at: usize,
+        (from, to): (DVec2, DVec2),
+        bodies: &[Body],
+        setting: &Setting,
+    ) {
+        if !(self.homes[at].covers(from) && self.homes[at].covers(to)) {
+            let reach = 0.5 * from.distance(to) + self.skin(&bodies[at], setting);
+            self.rehome(at, Home { position: from.midpoint(to), reach }, bodies, setting);
+        }
+    }
+
+    /// Gives a ball another home, and finds its pairs there.
+    fn rehome(&mut self, at: usize, home: Home, bodies: &[Body], setting: &Setting) {
+        self.change_home(at, home, bodies, setting);
+        if self.seeks_pairs {
+            let (number, own) = self.layout.place_of(at);
+            self.stripes[number].leaving.push(own);
+            let (around, stripes) = self.around(bodies, setting);
+            around.find_more_of(number, &mut stripes[number]);
+            self.add_across(number, bodies);
         }
     }
 

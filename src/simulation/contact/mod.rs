@@ -9,8 +9,8 @@
 //!    `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
 //!    (`take_up`, `support`, `wall_support`; what counts as heavier than it is, and is fast, is slowed down before);
-//! 5. balls move (`Pass::TRAVEL`), unlike ones are kept from gaining energy (`energy`), and those that were thrown by what
-//!    holds them are let go of (`thrown`);
+//! 5. balls move (`Pass::TRAVEL`), those that would end in others only as far as there is room (`room`, `barred`); unlike ones
+//!    are kept from gaining energy (`energy`), and those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
@@ -23,6 +23,7 @@
 //! substeps and never write back, so the result does not depend on how time is cut into frames.
 
 mod advance;
+mod barred;
 mod body;
 mod cover;
 mod energy;
@@ -37,6 +38,7 @@ mod loads;
 mod meeting;
 mod order;
 mod rewind;
+mod room;
 mod show;
 mod sleep;
 mod stripes;
@@ -62,6 +64,7 @@ use super::{Tally, Tuning, within};
 use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
+use room::Room;
 use show::Start;
 use sleep::Rest;
 use substeps::{Softness, Substeps};
@@ -132,6 +135,7 @@ pub(super) struct Contact {
     /// Whether each body is held by others or by a wall.
     held: Vec<bool>,
     course: Course,
+    room: Room,
     /// Where contacts are only shown.
     shown: Option<Grid>,
     /// What happened to each body since the last frame.
@@ -170,6 +174,7 @@ impl Contact {
             pairs,
             held: Vec::new(),
             course: Course::default(),
+            room: Room::default(),
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
             hit: vec![false; balls.len()],
             steps: 0,
@@ -205,7 +210,7 @@ impl Contact {
             // Without what has nothing to do: threads would wait for each other to find that out.
             let presses = self.setting.kick != DVec2::ZERO;
             let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
-            self.sweep(&[
+            let passes = [
                 if !presses || !self.setting.grounded {
                     // Stopped on what falls as it does, a ball would slow down all of them.
                     Pass::NOTHING
@@ -219,12 +224,25 @@ impl Contact {
                 Pass::RELAX,
                 Pass::RELAX_ON_WALLS,
                 Pass::FIND_THROWN,
-            ]);
+            ];
+            if self.any_unfollowed() {
+                let (moves, others) = passes.split_at(3);
+                self.sweep(moves);
+                self.keep_to_room();
+                self.sweep(others);
+                self.bounce_off_barred();
+            } else {
+                self.sweep(&passes);
+            }
             self.keep_energy();
             self.let_go_of_thrown();
             self.wake_unbalanced();
         } else {
             self.sweep(&[Pass::TRAVEL]);
+            if self.any_unfollowed() {
+                self.keep_to_room();
+                self.bounce_off_barred();
+            }
         }
         if self.near.is_none() {
             self.fly();
@@ -240,15 +258,18 @@ impl Contact {
     /// Gravity, and what held each ball in the last substep.
     #[inline]
     fn accelerate(&mut self) {
-        let Self { setting, bodies, team, .. } = self;
-        if !setting.can_rest {
+        if !self.setting.can_rest {
             // Nothing changes a velocity but impacts.
+            self.note_starts();
             return;
         }
+        let Self { setting, bodies, team, room, .. } = self;
         // Not that of the last search: balls may have been added since.
         let (kick, layout) = (setting.kick, Layout::of(bodies.len()));
-        let accelerate = |bodies: &mut [Body]| {
-            for body in bodies {
+        room.starts.resize(bodies.len(), DVec2::ZERO);
+        let accelerate = |(bodies, starts): (&mut [Body], &mut [DVec2])| {
+            for (body, start) in bodies.iter_mut().zip(starts) {
+                *start = body.position;
                 if kick == DVec2::ZERO {
                     // Nothing presses: what held balls when they met is of no use any more.
                     body.free = body.velocity;
@@ -260,9 +281,10 @@ impl Contact {
             }
         };
         if layout.is_cut() {
-            team.each(layout.share(Layer::Own, bodies), accelerate);
+            let starts = layout.share(Layer::Own, &mut room.starts);
+            team.each(layout.share(Layer::Own, bodies).zip(starts), accelerate);
         } else {
-            accelerate(bodies);
+            accelerate((bodies, &mut room.starts));
         }
     }
 
@@ -290,6 +312,10 @@ impl Contact {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
         }
         let presses = setting.can_rest && setting.kick != DVec2::ZERO;
+        if searched {
+            // They may stand in another order now.
+            self.note_starts();
+        }
         if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
             self.take_back_thrown();

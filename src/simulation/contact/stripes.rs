@@ -68,6 +68,8 @@ pub(super) struct Stripe {
     pub(super) legs: Vec<Leg>,
     /// Balls that were kept from going where they are not covered.
     pub(super) strays: Vec<u32>,
+    /// Pairs that end deep in each other.
+    pub(super) deep: Vec<Pair>,
     /// Balls that what held them has thrown.
     pub(super) thrown: Vec<u32>,
     /// Strays, and balls that are about to go where they are not covered.
@@ -252,6 +254,17 @@ impl Stripes<'_> {
                 let (first, second) = (pair.first as usize, pair.second as usize);
                 let (other, normal) = if first == body { (second, normal) } else { (first, -normal) };
                 Holder { number, at, other, normal, impulse: hold.impulse }
+            })
+        })
+    }
+
+    /// The balls that one may touch. Its pairs must be linked.
+    pub(super) fn around(&self, body: usize) -> impl Iterator<Item = usize> {
+        self.of_body(body).flat_map(move |number| {
+            let (stripe, start) = (&self.list[number], self.layout.start(number));
+            stripe.links.of((body - start) as u32).map(move |at| {
+                let pair = stripe.pairs[at].from(start);
+                if pair.first as usize == body { pair.second as usize } else { pair.first as usize }
             })
         })
     }

@@ -31,6 +31,8 @@ pub(super) struct Course {
     lasts: Vec<Spot>,
     /// Those that are foreseen in the last.
     queue: BinaryHeap<Event>,
+    /// Whether it was ended for fast bodies.
+    pub(super) ended: bool,
     /// What they have bodies go along, where a frame asks for it.
     pub(super) legs: Legs,
 }
@@ -65,6 +67,7 @@ impl Contact {
         // One that began late is shorter than others: where in it a frame ends is not looked for.
         let noted = !self.before.is_empty() && self.late == 0.0;
         self.course.legs.begin(noted);
+        self.course.ended = false;
         if near.stripes.iter().all(Stripe::is_idle) {
             self.course.fates.clear();
             return;
@@ -87,7 +90,7 @@ impl Contact {
         let Self { setting, bodies, restitutions, rests, near: Some(near), hit, course, .. } = self else {
             return;
         };
-        let Course { fates, queue, lasts, legs, .. } = course;
+        let Course { fates, queue, lasts, legs, ended, .. } = course;
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
         let noted = legs.noted.then_some(&mut legs.list);
         let mut stage =
@@ -99,7 +102,8 @@ impl Contact {
         } else {
             take_all(&mut stage, near);
         }
-        if stage.limits.ended {
+        *ended = stage.limits.ended;
+        if *ended {
             // For fast balls the substep was over then.
             legs.list.retain(|leg| !fates[leg.body as usize].fast);
         }

@@ -1,0 +1,245 @@
+//! Balls that have no room where a substep would take them go only as far as there is room.
+//!
+//! In a substep a ball is hit so often and no more (`fates`). What is left is held apart by impulses (`support`), which does
+//! for balls of one mass, and not for a light one between a heavy and a fixed one: that would end in both. So those that
+//! would end in others, and those that would end where these began, or beyond, go straight from where they began towards
+//! where they were hit last, or would end, until they touch something. They lose time, and come into nothing.
+//!
+//! Under gravity, where overlaps follow loads, only among fixed balls, and where the substep was ended for fast ones: nothing
+//! else keeps what these hit from going through then.
+
+use glam::DVec2;
+
+use super::super::within;
+use super::fates::{Fate, Limits};
+use super::find::Near;
+use super::holds::Pair;
+use super::layout::{Layer, Layout};
+use super::stripes::{Stripe, Stripes};
+use super::sweep::{Pass, Share};
+use super::turns::Course;
+use super::{Body, Contact, Setting};
+
+/// A ball may end in another by this part of the smaller radius, or as deep as it began: that is mended.
+const DEEPEST: f64 = 0.02;
+/// What holds a ball may go through others with it where one other pushes it by more than this part of its radius in a substep.
+const FAR: f64 = 0.125;
+/// Balls without room try so often to go on: what was in their way may have gone on itself.
+const TURNS: u32 = 4;
+
+/// Who has how much room.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Room {
+    /// Where each body began the substep.
+    pub(super) starts: Vec<DVec2>,
+    /// Those that may not go all their way, in the order of their numbers.
+    pub(super) short: Vec<Short>,
+    /// For each body, whether it is one of them.
+    is_short: Vec<bool>,
+}
+
+/// A body that may not go all its way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Short {
+    pub(super) body: usize,
+    /// Where it goes if it can, and where it would have ended, px.
+    target: DVec2,
+    end: DVec2,
+}
+
+impl Contact {
+    /// Notes where bodies begin a substep.
+    pub(super) fn note_starts(&mut self) {
+        let Self { bodies, room, team, .. } = self;
+        let layout = Layout::of(bodies.len());
+        room.starts.resize(bodies.len(), DVec2::ZERO);
+        let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
+        team.each(shares, |(starts, bodies)| {
+            for (start, body) in starts.iter_mut().zip(bodies) {
+                *start = body.position;
+            }
+        });
+    }
+
+    /// Has bodies that would end in others go only as far as there is room. All have moved.
+    pub(super) fn keep_to_room(&mut self) {
+        self.room.short.clear();
+        self.sweep(&[Pass::FIND_DEEP]);
+        let Self { setting, bodies, near: Some(near), course, room, .. } = self else { return };
+        let deep: usize = near.stripes.iter().map(|stripe| stripe.deep.len()).sum();
+        if near.crowd || deep > bodies.len() {
+            // Wherever they went, most would lie in others.
+            near.stripes.iter_mut().for_each(|stripe| stripe.deep.clear());
+            return;
+        }
+        room.find_short(setting, bodies, near, course);
+        room.go_on(setting, bodies, &near.all());
+        if setting.kick != DVec2::ZERO {
+            room.pay_for_height(setting, bodies);
+        }
+    }
+
+    /// Whether any body may go where nothing was looked for in its way.
+    pub(super) fn any_unfollowed(&self) -> bool {
+        let Self { setting, bodies, rests, course, near: Some(near), pairs: true, .. } = self else {
+            return false;
+        };
+        if setting.kick != DVec2::ZERO {
+            return course.ended && rests.iter().any(|rest| rest.own == 0.0);
+        }
+        if course.ended {
+            return true;
+        }
+        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
+        course.fates.iter().any(|fate| is_spent(&limits, fate))
+            || near.holding().any(|(first, second, hold)| {
+                [first, second].iter().any(|&at| {
+                    let push = hold.impulse * bodies[at].inverse_mass;
+                    push > FAR * bodies[at].radius / setting.substep
+                })
+            })
+    }
+}
+
+impl Room {
+    /// Finds those that may not go all their way, and puts them back to where they began.
+    fn find_short(&mut self, setting: &Setting, bodies: &mut [Body], near: &mut Near, course: &Course) {
+        near.link_pairs(bodies.len());
+        let mut found: Vec<usize> = Vec::new();
+        let is_deeper = |&Pair { first, second }: &Pair| {
+            let (first, second) = (first as usize, second as usize);
+            self.come_into_each_other(bodies, (first, bodies[first].position), second)
+        };
+        for (number, stripe) in near.stripes.iter_mut().enumerate() {
+            let start = near.layout.start(number);
+            let deep = stripe.deep.drain(..).map(|pair| pair.from(start));
+            found.extend(deep.filter(is_deeper).flat_map(|pair| [pair.first as usize, pair.second as usize]));
+        }
+        found.extend((0..bodies.len()).filter(|&at| is_pushed_far(setting, &bodies[at])));
+        self.is_short.clear();
+        self.is_short.resize(bodies.len(), false);
+        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
+        while let Some(at) = found.pop() {
+            if bodies[at].inverse_mass == 0.0 || std::mem::replace(&mut self.is_short[at], true) {
+                continue;
+            }
+            let (start, end, fate) = (self.starts[at], bodies[at].position, &course.fates[at]);
+            near.cover_way(at, (start, end), bodies, setting);
+            // What it would have met after it was hit for the last time it may have been, is not known.
+            let unknown = if is_spent(&limits, fate) {
+                bodies[at].velocity * setting.substep - bodies[at].free * fate.time
+            } else {
+                DVec2::ZERO
+            };
+            let target = end - unknown;
+            let target = if setting.walls.is_some() {
+                within(target, bodies[at].radius, setting.size)
+            } else {
+                target
+            };
+            self.short.push(Short { body: at, target, end });
+            bodies[at].position = start;
+            found.extend(near.all().around(at).filter(|&other| {
+                !self.is_short[other]
+                    && (self.come_into_each_other(bodies, (other, bodies[other].position), at)
+                        || self.crosses(bodies, other, at))
+            }));
+        }
+        self.short.sort_unstable_by_key(|short| short.body);
+    }
+
+    /// Moves those towards where they go, as far as they can.
+    fn go_on(&self, setting: &Setting, bodies: &mut [Body], stripes: &Stripes<'_>) {
+        for _ in 0..TURNS {
+            let mut any = false;
+            for &Short { body, target, .. } in &self.short {
+                let way = target - bodies[body].position;
+                let go = way * free_share(body, way, bodies, stripes);
+                any |= go.length() > DEEPEST * bodies[body].radius;
+                let to = bodies[body].position + go;
+                bodies[body].position =
+                    if setting.walls.is_some() { within(to, bodies[body].radius, setting.size) } else { to };
+            }
+            if !any {
+                break;
+            }
+        }
+    }
+
+    /// Slows down those that are higher now than they would have ended.
+    fn pay_for_height(&self, setting: &Setting, bodies: &mut [Body]) {
+        for &Short { body, end, .. } in &self.short {
+            let body = &mut bodies[body];
+            let work = setting.gravity.dot(end - body.position);
+            let square = body.velocity.length_squared();
+            if work > 0.0 && square > 0.0 {
+                let change = body.velocity * (((square - 2.0 * work).max(0.0) / square).sqrt() - 1.0);
+                body.velocity += change;
+                body.free += change;
+            }
+        }
+    }
+
+    /// Whether a body at this place would lie in another, where that is, deeper than it began, and than it may.
+    fn come_into_each_other(&self, bodies: &[Body], (at, place): (usize, DVec2), other: usize) -> bool {
+        let distance = place.distance(bodies[other].position);
+        let out = bodies[at].radius + bodies[other].radius - distance;
+        out > DEEPEST * bodies[at].radius.min(bodies[other].radius)
+            && distance < self.starts[at].distance(self.starts[other])
+    }
+
+    /// Whether a body goes from where it began over another, where that is.
+    fn crosses(&self, bodies: &[Body], at: usize, other: usize) -> bool {
+        let from = self.starts[at] - bodies[other].position;
+        let way = bodies[at].position - self.starts[at];
+        let reach = (1.0 - DEEPEST) * (bodies[at].radius + bodies[other].radius);
+        let share = -from.dot(way) / way.length_squared();
+        share > 0.0 && (from + way * share.min(1.0)).length_squared() < reach * reach
+    }
+}
+
+impl Pass<'_> {
+    /// Finds the pairs that lie deep in each other.
+    const FIND_DEEP: Self = Self {
+        layers: Layer::OUTWARD,
+        only_busy: true,
+        work: &|_, stripe, share| {
+            let (Stripe { pairs, deep, .. }, Share { bodies, .. }) = (stripe, share);
+            deep.extend(pairs.iter().filter(|pair| {
+                let (first, second) = (&bodies[pair.first as usize], &bodies[pair.second as usize]);
+                let least = first.radius + second.radius - DEEPEST * first.radius.min(second.radius);
+                first.position.distance_squared(second.position) < least * least
+            }));
+        },
+    };
+}
+
+/// Whether a ball that is not fast was hit as often as it may be, or nearly.
+fn is_spent(limits: &Limits, fate: &Fate) -> bool {
+    !fate.fast && fate.hits >= limits.least(fate.shift)
+}
+
+/// Whether what holds a ball pushes it so far in a substep that it could go through others.
+fn is_pushed_far(setting: &Setting, body: &Body) -> bool {
+    let far = body.radius / setting.substep;
+    (body.velocity - body.free).length_squared() > far * far
+}
+
+/// What part of its way a body can go until it touches another.
+fn free_share(at: usize, way: DVec2, bodies: &[Body], stripes: &Stripes<'_>) -> f64 {
+    let body = &bodies[at];
+    let until_touched = |other: usize| {
+        let other = &bodies[other];
+        let (offset, reach) = (body.position - other.position, body.radius + other.radius);
+        let (closing, gap) = (offset.dot(way), offset.length_squared() - reach * reach);
+        let discriminant = closing * closing - way.length_squared() * gap;
+        if closing >= 0.0 || discriminant < 0.0 {
+            1.0
+        } else if gap <= 0.0 {
+            0.0
+        } else {
+            gap / (discriminant.sqrt() - closing)
+        }
+    };
+    stripes.around(at).map(until_touched).fold(1.0, f64::min)
+}
