@@ -1,0 +1,152 @@
+//! Balls that are crushed between others, and have more impacts than a substep takes.
+
+use carom::simulation::invariants::max_wall_overlap;
+use carom::{Ball, DVec2, Simulation};
+
+use super::{EARTH, FRAME, ball, both_ways, energy, moving, overlap, simulation, world};
+
+/// Lets this go on for two seconds, and asserts that no energy comes from nowhere, no two balls come far into each other, and
+/// none into a wall.
+fn keeps_apart(simulation: &mut Simulation, what: &str) {
+    let (start, mut before) = (energy(simulation), energy(simulation));
+    for frame in 0..120 {
+        simulation.advance(FRAME).unwrap();
+        let (now, deepest) = (energy(simulation), overlap(simulation));
+        assert!(now <= before + 1e-9 * start, "{what}, frame {frame}: {before} became {now}");
+        assert!(deepest < 0.03, "{what}, frame {frame}: {deepest} of a radius");
+        assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9, "{what}, frame {frame}");
+        before = now;
+    }
+}
+
+fn of(ball: Ball, mass: f64, restitution: f64) -> Ball {
+    ball.with_mass(mass).unwrap().with_restitution(restitution).unwrap()
+}
+
+#[test]
+fn a_light_ball_stays_beside_a_heavy_one_that_crushes_it_against_a_fixed_one() {
+    for restitution in [0.0, 0.5, 0.9, 1.0] {
+        for mass in [1e2, 1e4, 1e6, 1e12] {
+            for aside in [0.0, 0.5] {
+                let balls = vec![
+                    of(ball(150.0, 300.0, 15.0), 1.0, restitution).fixed(),
+                    of(ball(150.0, 262.0, 12.0), 1.0, restitution),
+                    of(moving(ball(150.0 + aside, 207.5, 18.0), 0.0, 300.0), mass, restitution),
+                ];
+                let crush = simulation(world(400.0, 400.0, restitution), balls);
+                for mut crush in both_ways(&crush) {
+                    keeps_apart(&mut crush, &format!("e = {restitution}, {mass:e}, {aside} px aside"));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_heavy_ball_without_restitution_stops_where_a_light_one_is_between_it_and_a_wall() {
+    for mass in [1e2, 1e6, 1e12] {
+        let balls = vec![
+            of(ball(350.0, 50.0, 10.0), 1.0, 0.0),
+            of(moving(ball(300.0, 50.0, 20.0), 500.0, 0.0), mass, 0.0),
+        ];
+        let mut crush = simulation(world(400.0, 100.0, 0.0), balls);
+        keeps_apart(&mut crush, &format!("{mass:e}"));
+        let [light, heavy] = crush.balls() else { panic!("two balls") };
+        assert!(heavy.velocity().length() < 1e-3, "{mass:e}: {}", heavy.velocity());
+        assert!((light.position().x - 390.0).abs() < 0.3, "{mass:e}: {}", light.position());
+        assert!((heavy.position().x - 360.0).abs() < 0.6, "{mass:e}: {}", heavy.position());
+    }
+}
+
+#[test]
+fn an_elastic_heavy_ball_is_turned_back_by_a_light_one_before_a_wall() {
+    for mass in [1e4, 1e6, 1e8] {
+        let balls = vec![
+            of(ball(350.0, 50.0, 10.0), 1.0, 1.0),
+            of(moving(ball(300.0, 50.0, 20.0), 500.0, 0.0), mass, 1.0),
+        ];
+        let mut crush = simulation(world(400.0, 100.0, 1.0), balls).with_substeps(240).unwrap();
+        let start = energy(&crush);
+        for _ in 0..30 {
+            crush.advance(FRAME).unwrap();
+            assert!((energy(&crush) / start - 1.0).abs() < 1e-9, "{mass:e}");
+        }
+        let back = crush.balls()[1].velocity().x;
+        assert!((-501.0..-200.0).contains(&back), "{mass:e}: {back} px/s");
+    }
+}
+
+/// Numbers from 0 to 1 without a pattern, for each of these.
+fn scattered(seed: u32) -> impl FnMut() -> f64 {
+    let mut drawn = 0;
+    move || {
+        drawn += 1;
+        (f64::from(seed * 131 + drawn) * 0.754_877_666_246_693
+            + f64::from(drawn * drawn) * 0.324_717_957_244_746)
+            .fract()
+    }
+}
+
+#[test]
+fn balls_in_a_channel_keep_their_order_however_fast_and_unlike_they_are() {
+    for seed in 0..60 {
+        let mut random = scattered(seed);
+        let restitution = [0.0, 0.5, 1.0][seed as usize % 3];
+        let balls = (0..8).map(|k| {
+            let place = ball(30.0 + 45.0 * f64::from(k), 12.0, 12.0);
+            let mass = 10_f64.powf(12.0 * random() - 6.0);
+            let speed = 10_f64.powf(1.0 + 4.0 * random());
+            let placed = of(place, mass, restitution);
+            if random() < 0.1 { placed.fixed() } else { moving(placed, speed.copysign(random() - 0.5), 0.0) }
+        });
+        let mut channel = simulation(world(400.0, 24.0, restitution), balls.collect());
+        for frame in 0..60 {
+            channel.advance(FRAME).unwrap();
+            let in_order = channel.balls().is_sorted_by(|one, other| one.position().x < other.position().x);
+            assert!(in_order, "seed {seed}, frame {frame}: {:?}", channel.balls());
+            assert!(overlap(&channel) < 0.03, "seed {seed}, frame {frame}: {}", overlap(&channel));
+        }
+    }
+}
+
+#[test]
+fn fast_balls_squeeze_none_through_a_row_of_fixed_ones_with_gravity_or_without() {
+    // The first were squeezed through once.
+    let known = [
+        [(80.0, 148.0, 12.0), (0.0, 12.0, 1.0)],
+        [(197.0, 194.0, 13.0), (-43.0, -25.0, 1e6)],
+        [(208.0, 133.0, 12.0), (-57.0, 7.0, 1e6)],
+        [(381.0, 74.0, 13.0), (-34.0, 28.0, 1.0)],
+        [(148.0, 221.0, 12.0), (6.0, -36.0, 1.0)],
+    ];
+    let free = |[(x, y, radius), (vx, vy, mass)]: [(f64, f64, f64); 2], e| {
+        of(moving(ball(x, y, radius), 1000.0 * vx, 1000.0 * vy), mass, e)
+    };
+    for seed in 0..60 {
+        let mut random = scattered(seed);
+        let restitution = [0.0, 0.5][seed as usize % 2];
+        let mut balls: Vec<Ball> =
+            (0..=20).map(|k| of(ball(20.0 * f64::from(k), 300.0, 18.0), 1.0, restitution).fixed()).collect();
+        if seed == 0 {
+            balls.extend(known.map(|ball| free(ball, restitution)));
+        } else {
+            balls.extend((0..5).map(|k| {
+                let place = (45.0 + 75.0 * f64::from(k), 40.0 + 180.0 * random(), 12.0 + 5.0 * random());
+                let mass = if random() < 0.5 { 1.0 } else { 1e6 };
+                free([place, (120.0 * random() - 60.0, 120.0 * random() - 60.0, mass)], restitution)
+            }));
+        }
+        for gravity in [DVec2::ZERO, EARTH] {
+            let world = world(400.0, 400.0, restitution).with_gravity(gravity).unwrap();
+            let mut shot = simulation(world, balls.clone());
+            for frame in 0..60 {
+                shot.advance(FRAME).unwrap();
+                for ball in &shot.balls()[21..] {
+                    assert!(ball.position().y < 300.0, "seed {seed}, {gravity}, frame {frame}: {ball:?}");
+                }
+                let deepest = overlap(&shot);
+                assert!(gravity != DVec2::ZERO || deepest < 0.03, "seed {seed}, frame {frame}: {deepest}");
+            }
+        }
+    }
+}
