@@ -204,6 +204,7 @@ const WRONG: &[(&str, usize, &str)] = &[
     ("gravty = [0, 980]", 1, "did you mean gravity?"),
     ("[[ball]]\nposition = [1, 2]\nradus = 3", 3, "did you mean radius?"),
     ("[wals]", 1, "did you mean walls?"),
+    ("[[balls]]", 1, "did you mean ball?"),
     ("gravty = [0, 980]", 1, "unknown field `gravty`, expected one of `about`, `solver`, `size`, `gravity`"),
     ("size = [1280, 720]\ngravity = 980", 2, "expected two numbers, such as [0, 980]"),
     ("gravity = [0, 1, 2]", 1, "expected two numbers, such as [0, 980]"),

@@ -97,7 +97,7 @@ impl Frames {
         Ok(Self(Kind::Even { whole: whole as u64, delta, rest }))
     }
 
-    /// The deltas of a file: one a line, blank lines and those that begin with # left out.
+    /// The deltas of a file: one a line, blank lines and what stands behind a # left out.
     ///
     /// # Errors
     /// [`FramesError`] where it cannot be read, or a line is not a delta.
@@ -112,8 +112,11 @@ impl Frames {
     /// [`FramesError`] where a line is not a delta, or there is none.
     pub fn parse(path: &Path, text: &str) -> Result<Self, FramesError> {
         let mut deltas = Vec::new();
-        for (line, entry) in (1..).zip(text.lines().map(str::trim)) {
-            if entry.is_empty() || entry.starts_with('#') {
+        // Some editors begin a file with a mark that nobody sees.
+        let text = text.trim_start_matches('\u{feff}');
+        for (line, entry) in (1..).zip(text.lines()) {
+            let entry = entry.split('#').next().unwrap_or_default().trim();
+            if entry.is_empty() {
                 continue;
             }
             let wrong = |message| FramesError::Line { path: path.to_owned(), line, message };
@@ -187,5 +190,13 @@ mod tests {
         {
             assert!(Frames::even(seconds, rate).is_err(), "{seconds} {rate}");
         }
+    }
+
+    #[test]
+    fn a_list_of_deltas_may_have_notes_blank_lines_and_an_editors_mark() {
+        let text = "\u{feff}0 # the first\r\n\n# all of them\n  0.016\t\n0.5# long\n";
+        assert_eq!(all(&Frames::parse(Path::new("deltas.txt"), text).unwrap()), [0.0, 0.016, 0.5]);
+        let error = Frames::parse(Path::new("deltas.txt"), "0\nsoon # or later\n").unwrap_err().to_string();
+        assert!(error.contains("deltas.txt") && error.contains("\"soon\" is not a number"), "{error}");
     }
 }

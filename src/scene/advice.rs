@@ -232,7 +232,8 @@ fn alike<'a>(said: &'a str, key: &str) -> Option<&'a str> {
     }
     let (_, expected) = said.split_once(", expected ")?;
     let keys = expected.split('`').skip(1).step_by(2).map(|known| (slips(key, known), known));
-    let (slips, known) = keys.min_by_key(|&(slips, _)| slips)?;
+    // Nearest is the same word with an s.
+    let (slips, known) = keys.min_by_key(|&(slips, known)| (slips, !key.starts_with(known)))?;
     // Of a short word, two slips leave nothing.
     (slips <= (known.len() / 3).min(2)).then_some(known)
 }
