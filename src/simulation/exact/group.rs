@@ -10,6 +10,8 @@ const PRECISION: f64 = 1e-6;
 /// A ball between others of more than so many times its mass takes, to stop them, some three times as many impacts as the
 /// root of that.
 pub(super) const RATTLER: f64 = 20.0;
+/// The part of the energy with which all of a group would hop that its balls are given to part, if nothing was taken from them.
+const LEAST_GIVEN: f64 = 0.05;
 /// How often it is tried to find those contacts that push.
 const ROUNDS: usize = 12;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
@@ -32,6 +34,8 @@ pub(super) struct Contact {
     pub(super) against: Support,
     /// The unit vector to the one.
     pub(super) normal: DVec2,
+    /// What is between the two, px; below 0 they overlap.
+    pub(super) gap: f64,
     /// The sum of the inverse masses.
     pub(super) give: f64,
     /// The force, or the momentum, that each gives to the other.
@@ -99,10 +103,10 @@ impl Group {
         self.members.len() - 1
     }
 
-    pub(super) fn add_contact(&mut self, one: usize, against: Support, normal: DVec2) {
+    pub(super) fn add_contact(&mut self, one: usize, against: Support, (gap, normal): (f64, DVec2)) {
         let theirs = if let Support::Member(other) = against { self.inverse_masses[other] } else { 0.0 };
         let give = self.inverse_masses[one] + theirs;
-        self.contacts.push(Contact { one, against, normal, give, push: 0.0, least: 0.0, pushes: false });
+        self.contacts.push(Contact { one, against, normal, gap, give, push: 0.0, least: 0.0, pushes: false });
     }
 
     /// Takes the approach from velocities, as impacts without restitution would in the end. Returns how many steps it
@@ -123,8 +127,10 @@ impl Group {
     }
 
     /// Lets members that touch and of which one is so much heavier that the other would go to and fro between it and the next
-    /// by the thousand before it stopped it part at `least`, px/s, unless they stay. Returns how many steps it took.
-    pub(super) fn part_unlike(&mut self, least: f64) -> usize {
+    /// by the thousand before it stopped it part at `least`, px/s, unless they stay, or are farther from each other than `near`, px:
+    /// they would rise for ever, each time that the light one comes after the other. They get the energy back that was `taken`
+    /// from their approach, as chatter loses none, but a little at least. Returns how many steps it took.
+    pub(super) fn part_unlike(&mut self, least: f64, near: f64, taken: f64) -> usize {
         let (mut velocities, mut contacts) = (self.velocities.clone(), self.contacts.clone());
         let mut found = false;
         for contact in &mut contacts {
@@ -132,7 +138,7 @@ impl Group {
             let (one, Support::Member(other)) = (contact.one, contact.against) else { continue };
             let (give, gives) = (self.inverse_masses[one], self.inverse_masses[other]);
             let unlike = give.max(gives) > RATTLER * give.min(gives);
-            if unlike && !self.members[one].stays && !self.members[other].stays {
+            if unlike && contact.gap < near && !self.members[one].stays && !self.members[other].stays {
                 (contact.least, found) = (least, true);
             }
         }
@@ -141,7 +147,9 @@ impl Group {
         }
         let steps = relieve(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * least);
         let mass: f64 = self.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).sum();
-        let (most, given) = (mass * least * least, self.energy(&velocities) - self.energy(&self.velocities));
+        let enough = mass * least * least;
+        let most = taken.clamp(LEAST_GIVEN * enough, enough);
+        let given = self.energy(&velocities) - self.energy(&self.velocities);
         // What a wedge moves counts as many times as heavy: it parts more slowly. Where no answer was found, there is none.
         let part = if given > most { (most / given).sqrt() } else { 1.0 };
         if contacts.iter().all(|contact| contact.spare(&velocities) > -0.5 * least) {
@@ -151,8 +159,8 @@ impl Group {
         steps
     }
 
-    /// Twice their kinetic energy.
-    fn energy(&self, velocities: &[DVec2]) -> f64 {
+    /// Twice their kinetic energy with these velocities.
+    pub(super) fn energy(&self, velocities: &[DVec2]) -> f64 {
         let each = velocities.iter().zip(&self.inverse_masses);
         each.map(|(velocity, inverse_mass)| velocity.length_squared() / inverse_mass).sum()
     }
