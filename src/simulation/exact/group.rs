@@ -11,7 +11,7 @@ const PRECISION: f64 = 1e-6;
 /// root of that.
 pub(super) const RATTLER: f64 = 20.0;
 /// The part of the energy with which all of a group would hop that its balls are given to part, if nothing was taken from them.
-const LEAST_GIVEN: f64 = 0.05;
+const LEAST_GIVEN: f64 = 0.3;
 /// How often it is tried to find those contacts that push.
 const ROUNDS: usize = 12;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
