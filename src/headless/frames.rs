@@ -113,7 +113,7 @@ impl Frames {
     pub fn parse(path: &Path, text: &str) -> Result<Self, FramesError> {
         let mut deltas = Vec::new();
         // Some editors begin a file with a mark that nobody sees.
-        let text = text.trim_start_matches('\u{feff}');
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         for (line, entry) in (1..).zip(text.lines()) {
             let entry = entry.split('#').next().unwrap_or_default().trim();
             if entry.is_empty() {

@@ -93,7 +93,7 @@ impl Tally {
 }
 
 impl Simulation {
-    /// A simulation at time 0. Balls outside of the walls are brought in, as by [`resize`](Self::resize), if there is room.
+    /// A simulation at time 0. Balls outside of the walls are brought in, as by [`resize`](Self::resize), where there is much room.
     ///
     /// # Errors
     /// [`BuildError`] where a ball does not fit between the walls, or where there are too many balls.

@@ -28,6 +28,8 @@ const APART: f64 = 1e-9;
 const FARTHER: f64 = 1e-2;
 /// More than this part of the world is not filled without overlaps: balls of one size fill 0.84 of it at random.
 const FULLEST: f64 = 0.84;
+/// Up to this part of the world filled, balls that are brought in part from the others, wherever they come to.
+const ROOMY: f64 = 0.5;
 /// Where there are more pairs than so many a ball, they lie in one heap, which takes too long.
 const PAIRS: usize = 32;
 
@@ -54,14 +56,16 @@ pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way
 }
 
 /// Brings balls that stand outside of the walls in, as if these had come from beyond them, and returns whether there are any.
-/// `canvas` does so itself, in the demo's way. Where there is no room for them all they are left outside: pressed into each other,
+/// `canvas` does so itself, in the demo's way. Where there is little room for them all they are left outside: pressed into each other,
 /// they would have impacts without end.
 pub(super) fn bring_strays_in(world: &World, balls: &mut [Ball], solver: Solver) -> bool {
     let strays = |ball: &Ball| {
         let outside = within(ball.position, ball.radius, world.size) - ball.position;
         !ball.is_fixed() && outside.abs().max_element() > APART * ball.radius
     };
-    let may = world.walls.is_some() && solver != Solver::Canvas && has_room(world, balls);
+    // What flies through each other needs no room.
+    let fit = world.pairs != Some(Pairs::Impulse) || filled(world, balls) <= ROOMY;
+    let may = world.walls.is_some() && solver != Solver::Canvas && fit;
     let found = may && balls.iter().any(strays);
     if found {
         let free = balls.iter().filter(|ball| !ball.is_fixed());
@@ -80,8 +84,13 @@ pub(super) fn take_apart(world: &World, balls: &mut [Ball]) {
 
 /// Whether the world may hold these balls without overlaps.
 fn has_room(world: &World, balls: &[Ball]) -> bool {
+    world.walls.is_none() || filled(world, balls) <= FULLEST
+}
+
+/// The part of the world that balls would fill without overlaps.
+fn filled(world: &World, balls: &[Ball]) -> f64 {
     let area: f64 = balls.iter().map(|ball| std::f64::consts::PI * ball.radius * ball.radius).sum();
-    world.walls.is_none() || area <= FULLEST * world.size.x * world.size.y
+    area / (world.size.x * world.size.y)
 }
 
 /// The same in so many sweeps at most: away from the walls that may have moved, as long as that helps.

@@ -52,7 +52,8 @@ fn energy(velocity: DVec2, kick: DVec2) -> f64 {
     velocity.length_squared() - velocity.dot(kick)
 }
 
-/// The part of its velocity with which a ball has an energy, which is less than it has; all of it where there is no such part.
+/// The part of its velocity with which a ball has an energy, which is less than it has; that with the least where none has so
+/// little, and all of it where it stands still.
 fn speed_of(energy: f64, velocity: DVec2, kick: DVec2) -> f64 {
     let (square, along) = (velocity.length_squared(), velocity.dot(kick));
     let root = (along * along + 4.0 * square * energy).max(0.0).sqrt();
