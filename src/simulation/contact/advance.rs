@@ -96,14 +96,7 @@ impl Advance for Contact {
     fn set_velocity(&mut self, _: &World, balls: &[Ball], index: usize) -> bool {
         let ball = &balls[index];
         let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
-        self.wake_by_hand(at);
-        // What held it holds it no longer.
-        if let Some(near) = &mut self.near {
-            near.let_go_of_walls(at);
-        }
-        if let Some(held) = self.held.get_mut(at) {
-            *held = false;
-        }
+        self.free_by_hand(at);
         let body = &mut self.bodies[at];
         body.velocity = ball.velocity - 0.5 * self.setting.kick;
         body.free = body.velocity;

@@ -150,17 +150,17 @@ impl Contact {
         self.asleep = self.rests.iter().filter(|rest| rest.asleep).count();
     }
 
-    /// Wakes a ball that is moved from outside.
-    pub(super) fn wake_by_hand(&mut self, at: usize) {
+    /// Frees a ball that is moved from outside: it wakes, and what held it holds it no longer.
+    pub(super) fn free_by_hand(&mut self, at: usize) {
         self.all_asleep = false;
-        let Self { setting, bodies, rests, near, .. } = self;
-        if let Some(near) = near
-            && rests[at].asleep
-        {
-            near.link_pairs(bodies.len());
-            let given = near.all().given(at, rests[at].counted);
-            wake(at, &given, setting.kick, bodies, rests, &mut near.all());
+        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
+        near.link_pairs(bodies.len());
+        let stripes = &mut near.all();
+        if rests[at].asleep {
+            let given = stripes.given(at, rests[at].counted);
+            wake(at, &given, setting.kick, bodies, rests, stripes);
         }
+        stripes.let_go_of(at, bodies, let_go, &mut Vec::new());
         self.wake_unbalanced();
     }
 

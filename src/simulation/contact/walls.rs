@@ -3,7 +3,6 @@
 use glam::DVec2;
 
 use super::fates::Axes;
-use super::find::Near;
 use super::holds::Beside;
 use super::meeting::strike;
 use super::{Body, SHIFT, Setting, Tally};
@@ -217,7 +216,7 @@ impl Hop {
         let (mut left, mut bounces, mut counted, mut fastest, mut impulse) = (time, 0, 0, 0.0_f64, 0.0);
         let (mut first, mut last) = (f64::INFINITY, 0.0);
         self.height = self.height.max(0.0);
-        loop {
+        let at = loop {
             let Self { height, speed, acceleration } = self;
             let squared = speed * speed - 2.0 * acceleration * height;
             let lands = (speed < 0.0 || acceleration < 0.0) && squared >= 0.0;
@@ -231,21 +230,11 @@ impl Hop {
             // 0/0 where it lies on the wall without speed.
             let wait = if wait.is_nan() { 0.0 } else { wait };
             if !lands || wait >= left || wait < 0.0 {
-                let at = Self {
+                break Some(Self {
                     height: (height + left * (speed + 0.5 * acceleration * left)).max(0.0),
                     speed: speed + acceleration * left,
                     acceleration,
-                };
-                return Landed {
-                    at: Some(at),
-                    lies: false,
-                    time: last,
-                    bounces,
-                    counted,
-                    first,
-                    fastest,
-                    impulse,
-                };
+                });
             }
             left -= wait;
             first = first.min(time - left);
@@ -259,28 +248,9 @@ impl Hop {
             self = Self { height: 0.0, speed: e * arrival, acceleration };
             let short = 2.0 * self.speed <= -acceleration * SHORTEST_HOP * substep;
             if short || bounces == BOUNCES {
-                return Landed {
-                    at: None,
-                    lies: false,
-                    time: last,
-                    bounces,
-                    counted,
-                    first,
-                    fastest,
-                    impulse,
-                };
+                break None;
             }
-        }
-    }
-}
-
-impl Near {
-    /// Takes it that no wall holds a body any more.
-    pub(super) fn let_go_of_walls(&mut self, at: usize) {
-        for (number, stripe) in self.stripes.iter_mut().enumerate() {
-            let start = self.layout.start(number);
-            let its = stripe.beside.iter_mut().filter(|beside| start + beside.body as usize == at);
-            its.for_each(|beside| beside.push = DVec2::ZERO);
-        }
+        };
+        Landed { at, lies: false, time: last, bounces, counted, first, fastest, impulse }
     }
 }
