@@ -2,7 +2,7 @@
 //!
 //! A light ball between a heavy one and a fixed one is hit ever more often, until it has turned the heavy one back, or, where
 //! impacts take energy, until that has stopped. Where there were more impacts than a substep takes, the heavy one bounces off
-//! the light one as off the fixed one behind it, with their restitution: it comes no nearer than it would have, and no energy
+//! the light one as off a fixed one, with the restitution of these two: it comes no nearer than it would have, and no energy
 //! comes from nowhere, since only ever a part of a velocity is turned round.
 
 use glam::DVec2;
@@ -18,11 +18,11 @@ const ROUNDS: u32 = 8;
 
 /// Two bodies that touch, by their places among those without room.
 struct Touch {
-    upper: usize,
-    lower: usize,
-    /// From the lower to the upper, of length 1.
+    pusher: usize,
+    pushed: usize,
+    /// From the pushed one to the pusher, of length 1.
     normal: DVec2,
-    /// Whether the lower one was found not to give way.
+    /// Whether the pushed one was found not to give way.
     is_firm: bool,
 }
 
@@ -37,25 +37,25 @@ impl Contact {
         // What keeps each from where it would go: the directions in which it is pushed back.
         let mut bars: Vec<_> = short.iter().map(|short| walls_at(setting, &bodies[short.body])).collect();
         let mut touches = Vec::new();
-        for (upper, its) in short.iter().enumerate() {
+        for (pusher, its) in short.iter().enumerate() {
             for other in near.all().around(its.body) {
                 let Some(normal) = touching(&bodies[its.body], &bodies[other]) else { continue };
                 if bodies[other].inverse_mass == 0.0 {
-                    bars[upper].push(normal);
-                } else if let Ok(lower) = short.binary_search_by_key(&other, |short| short.body) {
-                    touches.push(Touch { upper, lower, normal, is_firm: false });
+                    bars[pusher].push(normal);
+                } else if let Ok(pushed) = short.binary_search_by_key(&other, |short| short.body) {
+                    touches.push(Touch { pusher, pushed, normal, is_firm: false });
                 }
             }
         }
         let mut any = true;
         while std::mem::take(&mut any) {
-            for Touch { upper, lower, normal, is_firm } in &mut touches {
-                if *is_firm || gives_way(&bars[*lower], -*normal) {
+            for Touch { pusher, pushed, normal, is_firm } in &mut touches {
+                if *is_firm || gives_way(&bars[*pushed], -*normal) {
                     continue;
                 }
                 (*is_firm, any) = (true, true);
-                bars[*upper].push(*normal);
-                let (at, on) = (short[*upper].body, short[*lower].body);
+                bars[*pusher].push(*normal);
+                let (at, on) = (short[*pusher].body, short[*pushed].body);
                 let restitution = restitutions[at].min(restitutions[on]);
                 let [closing, own] = [bodies[on].velocity, DVec2::ZERO]
                     .map(|velocity| normal.dot(bodies[at].velocity - velocity));

@@ -202,6 +202,7 @@ impl Contact {
         self.accelerate();
         self.find();
         self.note_start();
+        self.note_room();
         self.impacts(tally);
         if self.setting.can_rest {
             self.slow_counted();
@@ -258,18 +259,15 @@ impl Contact {
     /// Gravity, and what held each ball in the last substep.
     #[inline]
     fn accelerate(&mut self) {
-        if !self.setting.can_rest {
+        let Self { setting, bodies, team, .. } = self;
+        if !setting.can_rest {
             // Nothing changes a velocity but impacts.
-            self.note_starts();
             return;
         }
-        let Self { setting, bodies, team, room, .. } = self;
         // Not that of the last search: balls may have been added since.
         let (kick, layout) = (setting.kick, Layout::of(bodies.len()));
-        room.starts.resize(bodies.len(), DVec2::ZERO);
-        let accelerate = |(bodies, starts): (&mut [Body], &mut [DVec2])| {
-            for (body, start) in bodies.iter_mut().zip(starts) {
-                *start = body.position;
+        let accelerate = |bodies: &mut [Body]| {
+            for body in bodies {
                 if kick == DVec2::ZERO {
                     // Nothing presses: what held balls when they met is of no use any more.
                     body.free = body.velocity;
@@ -281,10 +279,9 @@ impl Contact {
             }
         };
         if layout.is_cut() {
-            let starts = layout.share(Layer::Own, &mut room.starts);
-            team.each(layout.share(Layer::Own, bodies).zip(starts), accelerate);
+            team.each(layout.share(Layer::Own, bodies), accelerate);
         } else {
-            accelerate((bodies, &mut room.starts));
+            accelerate(bodies);
         }
     }
 
@@ -312,10 +309,6 @@ impl Contact {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
         }
         let presses = setting.can_rest && setting.kick != DVec2::ZERO;
-        if searched {
-            // They may stand in another order now.
-            self.note_starts();
-        }
         if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
             self.take_back_thrown();

@@ -22,8 +22,9 @@ use super::{Body, Contact, Setting};
 
 /// A ball may end in another by this part of the smaller radius, or as deep as it began: that is mended.
 const DEEPEST: f64 = 0.02;
-/// What holds a ball may go through others with it where one other pushes it by more than this part of its radius in a substep.
-const FAR: f64 = 0.125;
+/// Who may go through others is looked for where one hold pushes a ball by more than this part of its radius in a substep: many
+/// together may push it by all of it, which is far enough (`is_pushed_far`).
+const PUSHED: f64 = 0.125;
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
 const TURNS: u32 = 4;
 
@@ -48,9 +49,9 @@ pub(super) struct Short {
 }
 
 impl Contact {
-    /// Notes where bodies begin a substep.
-    pub(super) fn note_starts(&mut self) {
-        let Self { bodies, room, team, .. } = self;
+    /// Notes where bodies that may meet begin a substep. They stand in the order that they have in it.
+    pub(super) fn note_room(&mut self) {
+        let Self { bodies, room, team, pairs: true, .. } = self else { return };
         let layout = Layout::of(bodies.len());
         room.starts.resize(bodies.len(), DVec2::ZERO);
         let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
@@ -95,7 +96,7 @@ impl Contact {
             || near.holding().any(|(first, second, hold)| {
                 [first, second].iter().any(|&at| {
                     let push = hold.impulse * bodies[at].inverse_mass;
-                    push > FAR * bodies[at].radius / setting.substep
+                    push > PUSHED * bodies[at].radius / setting.substep
                 })
             })
     }
@@ -166,7 +167,7 @@ impl Room {
         }
     }
 
-    /// Slows down those that are higher now than they would have ended.
+    /// Slows down those that are higher now than they would have ended, as far as they have the speed to pay with.
     fn pay_for_height(&self, setting: &Setting, bodies: &mut [Body]) {
         for &Short { body, end, .. } in &self.short {
             let body = &mut bodies[body];
