@@ -67,6 +67,17 @@ pub(super) struct Group {
     pub(super) contacts: Vec<Contact>,
 }
 
+/// What a change of a group's velocities took.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Change {
+    /// Steps to find it.
+    pub(super) steps: usize,
+    /// Twice the kinetic energy that it took from the balls; below 0 it gave some.
+    pub(super) taken: f64,
+    /// The momentum that walls gave.
+    pub(super) by_walls: DVec2,
+}
+
 impl Contact {
     /// How fast the two part, or are driven apart.
     pub(super) fn parting(&self, motions: &[DVec2]) -> f64 {
@@ -110,28 +121,28 @@ impl Group {
         self.contacts.push(Contact { one, against, normal, gap, give, push: 0.0, least: 0.0, pushes: false });
     }
 
-    /// Takes the approach from velocities, as impacts without restitution would in the end. Returns how many steps it
-    /// took, and the momentum that walls gave.
-    pub(super) fn take_approach(&mut self) -> (usize, DVec2) {
+    /// Takes the approach from velocities, as impacts without restitution would in the end.
+    pub(super) fn take_approach(&mut self) -> Change {
         let approaches = self.contacts.iter().map(|contact| -contact.parting(&self.velocities));
         let most = approaches.fold(0.0, f64::max);
         let (mut velocities, mut contacts) = (self.velocities.clone(), self.contacts.clone());
         let steps = relieve(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * most);
         // Where no answer was found, not even that they lose energy is sure, nor that there is one.
-        let found = self.energy(&velocities) <= self.energy(&self.velocities);
+        let taken = self.energy(&self.velocities) - self.energy(&velocities);
+        // A comparison that is false where a jam has made a NaN of it.
+        let found = taken >= 0.0;
         if !found {
-            return (steps, DVec2::ZERO);
+            return Change { steps, ..Change::default() };
         }
         self.velocities = velocities;
-        let walls = contacts.iter().filter(|contact| contact.against == Support::Wall);
-        (steps, walls.map(|contact| contact.normal * contact.push).sum())
+        Change { steps, taken, by_walls: by_walls(&contacts) }
     }
 
     /// Lets members that touch and of which one is so much heavier that the other would go to and fro between it and the next
     /// by the thousand before it stopped it part at `least`, px/s, unless they stay, or are farther from each other than `near`, px:
     /// they would rise for ever, each time that the light one comes after the other. They get the energy back that was `taken`
-    /// from their approach, as chatter loses none, but some at least. Returns how many steps it took.
-    pub(super) fn part_unlike(&mut self, least: f64, near: f64, taken: f64) -> usize {
+    /// from their approach, as chatter loses none, but some at least.
+    pub(super) fn part_unlike(&mut self, least: f64, near: f64, taken: f64) -> Change {
         let (mut velocities, mut contacts) = (self.velocities.clone(), self.contacts.clone());
         let mut found = false;
         for contact in &mut contacts {
@@ -144,34 +155,32 @@ impl Group {
             }
         }
         if !found {
-            return 0;
+            return Change::default();
         }
         let steps = relieve(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * least);
-        let mass: f64 = self.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).sum();
-        let enough = mass * least * least;
+        // Where no answer was found, there is none.
+        let found = contacts.iter().all(|contact| contact.spare(&velocities) > -0.5 * least);
+        if !found {
+            return Change { steps, ..Change::default() };
+        }
+        let enough =
+            least * least * self.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).sum::<f64>();
         let most = taken.clamp(LEAST_GIVEN * enough, enough);
         let given = self.energy(&velocities) - self.energy(&self.velocities);
-        let changes: Vec<DVec2> =
-            velocities.iter().zip(&self.velocities).map(|(parted, velocity)| *parted - *velocity).collect();
+        let each = velocities.iter().zip(&self.velocities);
+        let changes: Vec<DVec2> = each.map(|(parted, velocity)| *parted - *velocity).collect();
         // What a wedge moves counts as many times as heavy: it parts more slowly. A part p of the changes gives so much energy:
         // p·(given - square) + p²·square.
         let square = self.energy(&changes);
-        let part = if given > most {
-            let along = 0.5 * (given - square);
-            ((along * along + square * most).sqrt() - along) / square
-        } else {
-            1.0
-        };
-        // Where no answer was found, there is none.
-        if contacts.iter().all(|contact| contact.spare(&velocities) > -0.5 * least) {
-            let each = self.velocities.iter_mut().zip(changes);
-            each.for_each(|(velocity, change)| *velocity += change * part);
-        }
-        steps
+        let along = 0.5 * (given - square);
+        let part = if given > most { ((along * along + square * most).sqrt() - along) / square } else { 1.0 };
+        let each = self.velocities.iter_mut().zip(changes);
+        each.for_each(|(velocity, change)| *velocity += change * part);
+        Change { steps, taken: -given.min(most), by_walls: by_walls(&contacts) * part }
     }
 
     /// Twice their kinetic energy with these velocities.
-    pub(super) fn energy(&self, velocities: &[DVec2]) -> f64 {
+    fn energy(&self, velocities: &[DVec2]) -> f64 {
         let each = velocities.iter().zip(&self.inverse_masses);
         each.map(|(velocity, inverse_mass)| velocity.length_squared() / inverse_mass).sum()
     }
@@ -204,6 +213,12 @@ impl Group {
             }
         }
     }
+}
+
+/// The momentum that walls gave in pushes.
+fn by_walls(contacts: &[Contact]) -> DVec2 {
+    let walls = contacts.iter().filter(|contact| contact.against == Support::Wall);
+    walls.map(|contact| contact.normal * contact.push).sum()
 }
 
 /// Solves the linear complementarity problem of the contacts: finds pushes, none of which pulls, that leave the

@@ -54,18 +54,18 @@ impl Exact {
             group.members.iter().for_each(|member| self.marks[member.slot].calm_down());
             return;
         }
-        let before = group.energy(&group.velocities);
-        let (mut steps, given) = group.take_approach();
-        tally.wall_impulse += given;
+        let stopped = group.take_approach();
+        let (mut steps, mut by_walls) = (stopped.steps, stopped.by_walls);
         if self.gravity != DVec2::ZERO {
             let gravity = self.gravity.length();
             steps += group.balance(gravity);
             group.choose(gravity, self.rest_speed, self.at_once > STUCK);
             // Gravity would press them on each other again at once.
             let hop = self.least_hop(0.0);
-            let taken = before - group.energy(&group.velocities);
-            steps += group.part_unlike(hop, NEAR * hop * hop / gravity, taken);
+            let parted = group.part_unlike(hop, NEAR * hop * hop / gravity, stopped.taken);
+            (steps, by_walls) = (steps + parted.steps, by_walls + parted.by_walls);
         }
+        tally.wall_impulse += by_walls;
         let cost = (group.members.len() + steps * group.contacts.len() / STEPS_PER_EVENT) as i64;
         // Where nothing comes to rest, it is too early.
         let in_vain = group.members.iter().all(|member| !member.stays);
