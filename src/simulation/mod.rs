@@ -93,7 +93,8 @@ impl Tally {
 }
 
 impl Simulation {
-    /// A simulation at time 0. Balls outside of the walls are brought in, as by [`resize`](Self::resize), where there is much room.
+    /// A simulation at time 0. Balls outside of the walls are brought in, as by [`resize`](Self::resize), but with
+    /// [`Solver::Canvas`], which does so itself, and where they would fill more than half of the world.
     ///
     /// # Errors
     /// [`BuildError`] where a ball does not fit between the walls, or where there are too many balls.
@@ -257,8 +258,7 @@ impl Simulation {
         self.engine.parts(&self.world)
     }
 
-    /// Adds balls behind those that are there. Those outside of the walls are brought in, as by [`resize`](Self::resize), if
-    /// there is room.
+    /// Adds balls behind those that are there. Those outside of the walls are brought in as by [`new`](Self::new).
     ///
     /// # Errors
     /// [`BuildError`] where one does not fit between the walls, or they are too many; none is added then.
@@ -353,7 +353,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Goes on with another solver from the state as it is.
+    /// Goes on with another solver from the state as it is, but that balls outside of the walls are brought in as by
+    /// [`new`](Self::new).
     pub fn set_solver(&mut self, solver: Solver) {
         self.solver = solver;
         bring_strays_in(&self.world, &mut self.balls, solver);
