@@ -3,6 +3,7 @@
 mod crushes;
 mod frames;
 mod gases;
+mod heaps;
 mod impacts;
 mod masses;
 #[path = "../common/numbers.rs"]

@@ -89,6 +89,7 @@ impl Advance for Contact {
                 self.before.push(Start::of(ball));
             }
         }
+        self.parting.begin_again(known as u32);
         self.all_asleep = false;
         true
     }

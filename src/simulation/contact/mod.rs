@@ -37,6 +37,7 @@ mod legs;
 mod loads;
 mod meeting;
 mod order;
+mod parting;
 mod rewind;
 mod room;
 mod show;
@@ -64,6 +65,7 @@ use super::{Tally, Tuning, within};
 use body::Body;
 use find::{Cargo, Near};
 use layout::{Layer, Layout};
+use parting::Parting;
 use room::Room;
 use show::Start;
 use sleep::Rest;
@@ -136,6 +138,7 @@ pub(super) struct Contact {
     held: Vec<bool>,
     course: Course,
     room: Room,
+    parting: Parting,
     /// Where contacts are only shown.
     shown: Option<Grid>,
     /// What happened to each body since the last frame.
@@ -175,6 +178,7 @@ impl Contact {
             held: Vec::new(),
             course: Course::default(),
             room: Room::default(),
+            parting: Parting::new(),
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
             hit: vec![false; balls.len()],
             steps: 0,
@@ -207,6 +211,7 @@ impl Contact {
         if self.setting.can_rest {
             self.slow_counted();
             self.note_energy();
+            self.note_heaps();
             self.support();
             // Without what has nothing to do: threads would wait for each other to find that out.
             let presses = self.setting.kick != DVec2::ZERO;
@@ -236,6 +241,7 @@ impl Contact {
                 self.sweep(&passes);
             }
             self.keep_energy();
+            self.slow_parting();
             self.let_go_of_thrown();
             self.wake_unbalanced();
         } else {
@@ -312,6 +318,9 @@ impl Contact {
         if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
             self.take_back_thrown();
+        }
+        if searched && presses {
+            self.find_heaps();
         }
     }
 

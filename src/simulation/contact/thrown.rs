@@ -47,6 +47,11 @@ impl Setting {
         let kicks = if fate.shift == Shift::None || self.differ { THROWN } else { DRIVEN };
         kicks * self.kick.length()
     }
+
+    /// The same of balls that no impact shifted.
+    pub(super) fn most_thrown(&self) -> f64 {
+        THROWN * self.kick.length()
+    }
 }
 
 /// Whether what holds a ball changes its velocity by more than this.
@@ -78,7 +83,7 @@ impl Contact {
     /// before, or are not near each other any more, what others give them may balance nothing.
     pub(super) fn take_back_thrown(&mut self) {
         let Self { setting, bodies, near: Some(near), .. } = self else { return };
-        let most = THROWN * setting.kick.length();
+        let most = setting.most_thrown();
         let thrown: Vec<_> = (0..bodies.len()).filter(|&at| is_thrown(&bodies[at], most)).collect();
         if thrown.is_empty() {
             return;
@@ -90,7 +95,7 @@ impl Contact {
 impl Near {
     /// Lets go of these bodies, as `forget` does it with each hold, and then of those that what held them against these
     /// throws: by more than `most` says, px/s. Each goes on with the velocity that `anew` makes of what it was, and of that.
-    fn let_go_of_all(
+    pub(super) fn let_go_of_all(
         &mut self,
         mut thrown: Vec<usize>,
         bodies: &mut [Body],
