@@ -10,7 +10,7 @@ use super::show::Start;
 use super::sleep::Rest;
 use super::substeps::Substeps;
 use super::team::Team;
-use super::{Contact, can_rest, has_pairs, is_grounded};
+use super::{Contact, can_rest, has_pairs};
 
 impl Advance for Contact {
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
@@ -76,7 +76,7 @@ impl Advance for Contact {
         {
             return false;
         }
-        self.setting.grounded = is_grounded(world, balls);
+        self.setting.has_fixed = balls.iter().any(Ball::is_fixed);
         let known = self.bodies.len();
         for (id, ball) in (known as u32..).zip(&balls[known..]) {
             let body = Body::new(ball, self.setting.kick);

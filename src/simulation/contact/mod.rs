@@ -96,8 +96,8 @@ struct Setting {
     kick: DVec2,
     /// Whether balls can come to rest: there is gravity, or something takes energy.
     can_rest: bool,
-    /// Whether something may carry balls that falls with none of them: walls, or fixed balls.
-    grounded: bool,
+    /// Whether any ball is fixed.
+    has_fixed: bool,
     /// A pair that holds each other bounces only where it meets faster than this, px/s, and than its load asks for.
     firm: f64,
     /// Overlaps are taken away at so many sums of both radii a second, at most.
@@ -108,6 +108,13 @@ struct Setting {
     softness: Softness,
     /// Whether balls that press may not all be of one material or mass (`weights`).
     differ: bool,
+}
+
+impl Setting {
+    /// Whether something may carry balls that falls with none of them.
+    fn is_grounded(&self) -> bool {
+        self.walls.is_some() || self.has_fixed
+    }
 }
 
 /// The solver.
@@ -157,7 +164,7 @@ impl Contact {
         let pairs = has_pairs(world, balls);
         let substeps = Substeps::new(world, balls, tuning);
         let setting = Setting::new(world, can_rest(world, balls), &substeps, tuning);
-        let setting = Setting { grounded: is_grounded(world, balls), ..setting };
+        let setting = Setting { has_fixed: balls.iter().any(Ball::is_fixed), ..setting };
         let kick = setting.kick;
         let bodies: Vec<_> = balls.iter().map(|ball| Body::new(ball, kick)).collect();
         Self {
@@ -217,7 +224,7 @@ impl Contact {
             let presses = self.setting.kick != DVec2::ZERO;
             let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
             let passes = [
-                if !presses || !self.setting.grounded {
+                if !presses || !self.setting.is_grounded() {
                     // Stopped on what falls as it does, a ball would slow down all of them.
                     Pass::NOTHING
                 } else if self.passes_on() {
@@ -409,11 +416,6 @@ pub(super) fn can_rest(world: &World, balls: &[Ball]) -> bool {
     let takes_energy =
         world.walls.is_some_and(|e| e < 1.0) || balls.iter().any(|ball| ball.restitution < 1.0);
     world.gravity.is_some() || takes_energy
-}
-
-/// Whether there is anything that may carry balls and falls with none of them.
-fn is_grounded(world: &World, balls: &[Ball]) -> bool {
-    world.walls.is_some() || balls.iter().any(Ball::is_fixed)
 }
 
 /// Whether there are balls that notice each other.

@@ -51,7 +51,10 @@ pub(super) struct Short {
 impl Contact {
     /// Notes where bodies that may meet begin a substep. They stand in the order that they have in it.
     pub(super) fn note_room(&mut self) {
-        let Self { bodies, room, team, pairs: true, .. } = self else { return };
+        let Self { setting, bodies, room, team, pairs: true, .. } = self else { return };
+        if !setting.may_lack_room() {
+            return;
+        }
         let layout = Layout::of(bodies.len());
         room.starts.resize(bodies.len(), DVec2::ZERO);
         let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
@@ -82,14 +85,14 @@ impl Contact {
 
     /// Whether any body may go where nothing was looked for in its way.
     pub(super) fn any_unfollowed(&self) -> bool {
-        let Self { setting, bodies, rests, course, near: Some(near), pairs: true, .. } = self else {
+        let Self { setting, bodies, course, near: Some(near), pairs: true, .. } = self else {
             return false;
         };
-        if setting.kick != DVec2::ZERO {
-            return course.ended && rests.iter().any(|rest| rest.own == 0.0);
+        if !setting.may_lack_room() {
+            return false;
         }
-        if course.ended {
-            return true;
+        if course.ended || setting.kick != DVec2::ZERO {
+            return course.ended;
         }
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
         course.fates.iter().any(|fate| is_spent(&limits, fate))
@@ -99,6 +102,13 @@ impl Contact {
                     push > PUSHED * bodies[at].radius / setting.substep
                 })
             })
+    }
+}
+
+impl Setting {
+    /// Whether balls are to go no farther than there is room, wherever that is not known.
+    fn may_lack_room(&self) -> bool {
+        self.kick == DVec2::ZERO || self.has_fixed
     }
 }
 

@@ -180,7 +180,7 @@ impl Setting {
             substep: 0.0,
             kick: DVec2::ZERO,
             can_rest,
-            grounded: false,
+            has_fixed: false,
             firm: 0.0,
             mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
             // Without gravity there is no chatter to be left out.

@@ -42,7 +42,7 @@ impl Contact {
         if searched {
             // Without gravity nothing presses, and without anything to lie on, nothing does for long.
             near.weights.differ =
-                setting.grounded && setting.kick != DVec2::ZERO && are_unequal(bodies, rests);
+                setting.is_grounded() && setting.kick != DVec2::ZERO && are_unequal(bodies, rests);
         } else if !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
             return false;
         }
