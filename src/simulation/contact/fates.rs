@@ -8,10 +8,16 @@ use super::{Body, SHIFT, Setting};
 
 /// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
 const MOST: u16 = 8;
+/// The same under gravity, where a support holds what is left: as many as leave this part of a speed, each with its
+/// restitution. So near-elastic balls bounce on as with `exact`, and of others no impacts are taken that change little.
+const LEFT: f64 = 0.3;
+/// ... but no fewer than these.
+const FEWEST: u16 = 4;
 /// The same among few balls, where each counts; where nothing ever rests, since no support holds what is left there; and of
 /// elastic balls, which would lose energy to a support.
 const MOST_OF_FEW: u16 = 64;
-/// The same of one that comes from far away: what supports it knows less of its way.
+/// The same of one that comes from far away: what supports it knows less of its way. No more are taken of any that takes
+/// energy.
 const MOST_FAR: u16 = 32;
 /// The same of a fast ball.
 const MOST_FAST: u16 = 256;
@@ -118,6 +124,8 @@ pub(super) struct Limits {
     most: u16,
     pub(super) most_far: u16,
     most_fast: u16,
+    /// How often a body may be that is neither, where impacts have not left enough of a speed sooner.
+    most_by_loss: u16,
     /// Whether balls are a crowd.
     crowd: bool,
     /// How many pairs of balls in a crowd may be looked at.
@@ -135,10 +143,12 @@ impl Limits {
             ..=FEW => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
             _ if crowd => MOST_IN_CROWD,
             _ if !setting.can_rest => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
+            _ if setting.kick != DVec2::ZERO => (FEWEST, MOST_FAR, MOST_FAST),
             _ => (MOST, MOST_FAR, MOST_FAST),
         };
         let looks = LOOKS * worked_on.max(FEW);
-        Self { most, most_far, most_fast, crowd, looks, exhausted: false, ended: false }
+        let most_by_loss = if most == FEWEST { most_far } else { most };
+        Self { most, most_far, most_fast, most_by_loss, crowd, looks, exhausted: false, ended: false }
     }
 
     /// Counts the pairs of a ball in a crowd that were looked at.
@@ -168,13 +178,40 @@ impl Limits {
         if fate.hits < least || self.crowd {
             return fate.hits >= least;
         }
-        let most = if restitution < 1.0 { least } else { least.max(MOST_OF_FEW) };
+        let most = if restitution == 1.0 {
+            least.max(MOST_OF_FEW)
+        } else if shift != Shift::Far {
+            least.max(hits_that_leave(LEFT, restitution, self.most_by_loss))
+        } else {
+            least
+        };
         f64::from(fate.hits) >= f64::from(most) * size.max(1.0)
     }
+}
+
+/// How many impacts of this restitution leave no more than a part of a speed, if no more than `most` do.
+fn hits_that_leave(part: f64, restitution: f64, most: u16) -> u16 {
+    let (mut hits, mut left) = (1, restitution);
+    while hits < most && left > part {
+        (hits, left) = (hits + 1, left * restitution);
+    }
+    hits
 }
 
 /// Whether a body goes so far in a substep that it could go through others.
 pub(super) fn is_fast(setting: &Setting, body: &Body) -> bool {
     let far = FAST * body.radius / setting.substep;
     body.velocity.length_squared() > far * far
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_more_an_impact_takes_the_fewer_are_taken() {
+        let hits =
+            [0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.97, 0.999].map(|e| hits_that_leave(LEFT, e, MOST_FAR));
+        assert_eq!(hits, [1, 1, 2, 4, 6, 12, 24, 32, 32]);
+    }
 }

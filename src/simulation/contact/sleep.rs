@@ -21,6 +21,9 @@ const WINDOW: f64 = 0.5;
 const LEAST_WINDOW: u64 = 32;
 /// A ball rests where it has drifted slower than this, in kicks of gravity (the speed that gravity gives in a substep).
 const DRIFT: f64 = 0.25;
+/// ... and slower than one kick in the end, or, where it was hit just then and not in the substep before, than so many: one that
+/// leans on others may hop on them for ever in every other substep, by less than a thousandth of its radius.
+const HOP: f64 = 2.0;
 /// A ball that overlaps another by more than this part of the smaller radius is not at rest.
 const DEEP: f64 = 0.05;
 /// What swings may be where it was when the window ends, but not after so many eighths of it, too.
@@ -122,8 +125,10 @@ impl Contact {
             // One that was hit just now has not gone far either. But one that others squeeze may be hit all the time, and
             // have a velocity that takes it nowhere.
             let (last, was_hit) = rest.last;
-            let slow = body.velocity.length_squared() < setting.kick.length_squared()
-                || (body.position.distance_squared(last) < step * step && (was_hit || !course.was_hit(at)));
+            let hops = course.was_hit(at) && !was_hit;
+            let most = if hops { HOP } else { 1.0 } * setting.kick.length();
+            let slow = body.velocity.length_squared() < most * most
+                || (body.position.distance_squared(last) < step * step && !hops);
             slow && !rest.swung && body.position.distance_squared(rest.anchor) < drift * drift
         };
         let looked_at = bodies.iter().zip(&*rests).enumerate();
