@@ -262,3 +262,28 @@ fn what_falls_without_walls_keeps_its_momentum_however_it_meets() {
     let heavy = moving(still(190.0, 100.0).with_mass(50.0).unwrap(), 0.0, 300.0);
     kept(heap.chain([heavy]).collect());
 }
+
+/// They were hit eight times in a substep at most, as any others, which left more of their speed than that of these.
+#[test]
+fn near_elastic_balls_that_fall_lose_as_much_energy_as_with_exact() {
+    let left = |solver: Solver| {
+        let mut left = [0.0; 2];
+        for seed in 1..=3 {
+            let fill = format!("[[fill]]\ncount = 200\nradius = [3, 6]\nrestitution = 0.97\nseed = {seed}\n");
+            let text = format!(
+                "size = [217, 122]\ngravity = [0, 980]\n[walls]\nrestitution = 0.97\n[pairs]\n{fill}"
+            );
+            let mut falling = Scene::parse("falling", &text).unwrap().with_solver(solver).build().unwrap();
+            let start = energy(&falling);
+            for left in &mut left {
+                (0..45).for_each(|_| falling.advance(FRAME).unwrap());
+                *left += energy(&falling) / start / 3.0;
+            }
+        }
+        left
+    };
+    let (exact, contact) = (left(Solver::Exact), left(Solver::Contact));
+    for (exact, contact) in exact.into_iter().zip(contact) {
+        assert!((exact - contact).abs() < 8e-3, "{contact} of all, {exact} with exact");
+    }
+}
