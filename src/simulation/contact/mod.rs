@@ -10,7 +10,8 @@
 //! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
 //!    (`take_up`, `support`, `wall_support`; what counts as heavier than it is, and is fast, is slowed down before);
 //! 5. balls move (`Pass::TRAVEL`), those that would end in others only as far as there is room (`room`, `barred`); unlike ones
-//!    are kept from gaining energy (`energy`), and those that were thrown by what holds them are let go of (`thrown`);
+//!    are kept from gaining energy (`energy`), so are those that were put into each other, until they have parted (`parting`), and
+//!    those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
