@@ -15,9 +15,26 @@ fn heap(count: u32, side: f64, height: f64, (restitution, seed): (f64, u64)) -> 
     (0..count).map(|_| next().with_restitution(restitution).unwrap()).collect()
 }
 
-/// They were shot apart with up to a third of all energy more.
+/// The largest part of its energy at the start that comes back within 90 frames.
+fn energy_back(parting: &mut Simulation) -> f64 {
+    let start = energy(parting);
+    let (mut least, mut back) = (start, 0.0_f64);
+    for _ in 0..90 {
+        parting.advance(FRAME).unwrap();
+        back = back.max(energy(parting) - least);
+        least = least.min(energy(parting));
+    }
+    back / start
+}
+
+fn boxed(balls: Vec<Ball>) -> Simulation {
+    simulation(world(500.0, 500.0, 0.8).with_gravity(EARTH).unwrap(), balls)
+}
+
+/// They were shot apart with up to a third of all energy more. Measured: 6e-3 in one of these, 1e-3 at most in the others; of
+/// 1,000 random ones, 1e-5 in the middle, 8e-3 in all but ten.
 #[test]
-fn balls_put_into_each_other_part_and_gain_no_energy() {
+fn balls_put_into_each_other_part_and_gain_next_to_no_energy() {
     for (count, side, height, restitution) in [
         (20, 30.0, 100.0, 1.0),
         (60, 40.0, 250.0, 0.5),
@@ -26,20 +43,47 @@ fn balls_put_into_each_other_part_and_gain_no_energy() {
         (400, 300.0, 200.0, 0.5),
     ] {
         for seed in [1, 2, 3] {
-            let balls = heap(count, side, height, (restitution, seed));
-            let mut parting = simulation(world(500.0, 500.0, 0.8).with_gravity(EARTH).unwrap(), balls);
-            let (mut least, mut back) = (energy(&parting), 0.0_f64);
-            let start = least;
-            for _ in 0..90 {
-                parting.advance(FRAME).unwrap();
-                back = back.max(energy(&parting) - least);
-                least = least.min(energy(&parting));
-            }
-            let what = format!("{count} in {side} px, {height} px high");
-            assert!(back < 1e-2 * start, "{what}: {:e} of it came back", back / start);
+            let mut parting = boxed(heap(count, side, height, (restitution, seed)));
+            let (back, what) = (energy_back(&mut parting), format!("{count} in {side} px, {height} px high"));
+            assert!(back < 1e-2, "{what}: {back:e} of it came back");
             assert!(overlap(&parting) < 0.1, "{what}: {}", overlap(&parting));
         }
     }
+}
+
+/// All but the last were taken as balls that had been there, and gained 2e-3.
+#[test]
+fn balls_added_before_anything_moves_part_with_those_that_were_there() {
+    for batches in [1, 2, 4] {
+        let balls = heap(60, 40.0, 250.0, (1.0, 1));
+        let mut parting = boxed(vec![ball(30.0, 30.0, 5.0)]);
+        balls.chunks(60 / batches).for_each(|batch| parting.add(batch).unwrap());
+        parting.add(&[ball(470.0, 30.0, 5.0)]).unwrap();
+        let back = energy_back(&mut parting);
+        assert!(back < 1e-6, "{batches} batches: {back:e} of it came back");
+    }
+}
+
+#[test]
+fn balls_put_into_a_fixed_one_part_and_gain_next_to_no_energy() {
+    for seed in [1, 2, 3] {
+        let mut balls = heap(40, 60.0, 250.0, (0.7, seed));
+        balls.push(ball(250.0, 250.0, 20.0).fixed());
+        let mut parting = boxed(balls);
+        let back = energy_back(&mut parting);
+        assert!(back < 1e-2, "seed {seed}: {back:e} of it came back");
+        assert!(overlap(&parting) < 0.1, "seed {seed}: {}", overlap(&parting));
+    }
+}
+
+#[test]
+fn a_heap_parts_in_the_same_way_with_any_number_of_threads() {
+    let run = |threads: u32| {
+        let mut parting = boxed(heap(2500, 480.0, 250.0, (0.8, 4))).with_threads(threads);
+        (0..20).for_each(|_| parting.advance(FRAME).unwrap());
+        parting.balls().to_vec()
+    };
+    assert_eq!(run(1), run(2));
 }
 
 #[test]

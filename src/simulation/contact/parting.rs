@@ -3,8 +3,8 @@
 //! What holds balls apart goes on doing so in the next substep, which is right for a load, and not for an overlap: that is to
 //! go away, with what was given for it, and balls deep in many others would be shot out of these. So for half a second after
 //! balls were put somewhere, those that lie deep in others are let go of after each substep, and all that touch these, or each
-//! other around them, a *heap*, move against each other with no more energy than they had. Then most have parted, and those that
-//! have not are held as if they lay on each other.
+//! other around them, a *heap*, move against each other with no more energy, all together, than they had. Then most have parted,
+//! and those that have not are held as if they lay on each other. Which balls that are is found with all pairs, now and then.
 
 use glam::DVec2;
 
@@ -16,7 +16,7 @@ use super::{Body, Contact};
 const TIME: f64 = 0.5;
 /// Balls lie deep in each other from this part of the smaller radius on: in piles they do as a rule nowhere ...
 const DEEP: f64 = 0.1;
-/// ... or, once some have begun to part, from this one.
+/// ... or, where one of them did when pairs were last searched, from this one.
 const APART: f64 = 0.02;
 
 /// Which balls are to part.
@@ -24,10 +24,12 @@ const APART: f64 = 0.02;
 pub(super) struct Parting {
     /// How much longer such balls are looked for, s.
     left: f64,
-    /// The first of the balls that were put somewhere: all from this one on were.
+    /// The first of the balls that were put somewhere: all whose numbers in the simulation are no smaller were.
     first: u32,
-    /// Those that lay deep in others when pairs were searched last, in the order of their numbers.
+    /// Those that lay deep in others when pairs were searched last, in the order of their bodies.
     deep: Vec<usize>,
+    /// Their numbers in the simulation, which stay theirs when bodies are put in another order.
+    known: Vec<u32>,
     /// Those with all that touch them, directly or through others.
     heaps: Vec<Heap>,
 }
@@ -36,7 +38,7 @@ pub(super) struct Parting {
 #[derive(Debug, Clone, Default)]
 struct Heap {
     balls: Vec<usize>,
-    /// Whether one of them touches something that nothing moves.
+    /// Whether one of them touches a ball that nothing moves: momentum goes to that, and walls may take some as well.
     is_anchored: bool,
     /// Twice the energy of their motion against each other, or against what anchors them, before anything held them.
     energy: f64,
@@ -45,21 +47,21 @@ struct Heap {
 impl Parting {
     /// Of balls that were just put where they are.
     pub(super) fn new() -> Self {
-        Self { left: TIME, first: 0, deep: Vec::new(), heaps: Vec::new() }
+        Self { left: TIME, first: 0, deep: Vec::new(), known: Vec::new(), heaps: Vec::new() }
     }
 
-    /// Looks for such balls again: those from this one on were just added.
+    /// Looks for such balls again: those from this one on were just added. Where others are still looked for, these part with
+    /// them, in what is left of their time: where balls are added all the time, none that a load presses would be held.
     pub(super) fn begin_again(&mut self, first: u32) {
-        // If others are still parting, these do with them.
-        if self.heaps.is_empty() {
-            self.first = first;
+        if self.left <= 0.0 {
+            (self.left, self.first) = (TIME, first);
         }
-        self.left = TIME;
     }
 
     fn end(&mut self) {
         self.left = 0.0;
         self.deep.clear();
+        self.known.clear();
         self.heaps.clear();
     }
 }
@@ -76,21 +78,27 @@ impl Contact {
             let least = first.radius + second.radius - part * first.radius.min(second.radius);
             first.position.distance_squared(second.position) < least * least
         };
-        let begun = !parting.heaps.is_empty();
-        let was_put = |&(first, second): &(usize, usize)| ids[first].max(ids[second]) >= parting.first;
-        let deep = near
-            .pairs()
-            .filter(|pair| overlap(pair, if begun { APART } else { DEEP }) && (begun || was_put(pair)));
-        parting.deep = deep.flat_map(|(first, second)| [first, second]).collect();
-        parting.deep.retain(|&at| bodies[at].inverse_mass > 0.0);
-        if parting.deep.is_empty() {
+        let deep = near.pairs().filter(|pair| {
+            let [one, other] = [pair.0, pair.1].map(|at| ids[at]);
+            if [one, other].iter().any(|id| parting.known.binary_search(id).is_ok()) {
+                overlap(pair, APART)
+            } else {
+                one.max(other) >= parting.first && overlap(pair, DEEP)
+            }
+        });
+        let mut deep: Vec<usize> = deep.flat_map(|(first, second)| [first, second]).collect();
+        deep.retain(|&at| bodies[at].inverse_mass > 0.0);
+        if deep.is_empty() {
             parting.end();
             return;
         }
-        parting.deep.sort_unstable();
-        parting.deep.dedup();
-        parting.heaps = heaps(bodies, near.pairs().filter(|pair| overlap(pair, 0.0)));
-        parting.heaps.retain(|heap| heap.balls.iter().any(|ball| parting.deep.binary_search(ball).is_ok()));
+        deep.sort_unstable();
+        deep.dedup();
+        parting.known.clear();
+        parting.known.extend(deep.iter().map(|&at| ids[at]));
+        parting.known.sort_unstable();
+        parting.heaps = heaps(bodies, near.pairs().filter(|pair| overlap(pair, 0.0)), &deep);
+        parting.deep = deep;
     }
 
     /// Notes the energy of each heap's motion after its impacts, before anything holds it.
@@ -102,6 +110,7 @@ impl Contact {
     }
 
     /// Slows heaps whose balls move faster against each other than they did, and lets go of those that lie deep in others.
+    /// Before those that are thrown are let go of: that slows balls down against the walls, and a heap that falls as a whole.
     pub(super) fn slow_parting(&mut self) {
         let Self { setting, bodies, rests, near: Some(near), parting, .. } = self else { return };
         if parting.heaps.is_empty() {
@@ -157,16 +166,14 @@ impl Heap {
     }
 }
 
-/// The heaps that these pairs make.
-fn heaps(bodies: &[Body], pairs: impl Iterator<Item = (usize, usize)>) -> Vec<Heap> {
+/// The heaps that these pairs make, of which some of the `deep` are.
+fn heaps(bodies: &[Body], pairs: impl Iterator<Item = (usize, usize)>, deep: &[usize]) -> Vec<Heap> {
     // Each ball points to another one of its heap, or to itself (disjoint sets; Galler & Fischer 1964).
     let mut towards: Vec<usize> = (0..bodies.len()).collect();
-    let mut found = Vec::new();
     let mut anchored = Vec::new();
     for (first, second) in pairs {
         match [first, second].map(|at| bodies[at].inverse_mass > 0.0) {
             [true, true] => {
-                found.extend([first, second]);
                 let (one, other) = (root(&mut towards, first), root(&mut towards, second));
                 towards[one.max(other)] = one.min(other);
             }
@@ -175,18 +182,26 @@ fn heaps(bodies: &[Body], pairs: impl Iterator<Item = (usize, usize)>) -> Vec<He
             [false, false] => (),
         }
     }
-    found.extend_from_slice(&anchored);
-    let mut of_roots: Vec<_> = found.into_iter().map(|at| (root(&mut towards, at), at)).collect();
-    of_roots.sort_unstable();
-    of_roots.dedup();
-    let mut anchored: Vec<usize> = anchored.into_iter().map(|at| root(&mut towards, at)).collect();
-    anchored.sort_unstable();
-    let heap = |balls: &[(usize, usize)]| Heap {
-        balls: balls.iter().map(|&(_, at)| at).collect(),
-        is_anchored: anchored.binary_search(&balls[0].0).is_ok(),
-        energy: 0.0,
-    };
-    of_roots.chunk_by(|one, other| one.0 == other.0).map(heap).collect()
+    // The place of each ball's heap, by its root.
+    let mut places = vec![None; bodies.len()];
+    let mut heaps = Vec::new();
+    for &at in deep {
+        places[root(&mut towards, at)].get_or_insert_with(|| {
+            heaps.push(Heap::default());
+            heaps.len() - 1
+        });
+    }
+    for at in 0..bodies.len() {
+        if let Some(place) = places[root(&mut towards, at)] {
+            heaps[place].balls.push(at);
+        }
+    }
+    for at in anchored {
+        if let Some(place) = places[root(&mut towards, at)] {
+            heaps[place].is_anchored = true;
+        }
+    }
+    heaps
 }
 
 /// The ball that stands for a ball's heap.
@@ -200,8 +215,49 @@ fn root(towards: &mut [usize], mut at: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::Advance;
     use super::super::super::ball::Ball;
+    use super::super::super::world::{Pairs, World};
+    use super::super::Tuning;
     use super::*;
+
+    const TUNING: Tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
+
+    /// A world with gravity, and in it two balls that lie deep in each other, and two that only touch.
+    fn two_pairs() -> (World, Vec<Ball>) {
+        let world = World::new(DVec2::splat(400.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+        let ball = |x: f64| Ball::new(DVec2::new(x, 100.0), 10.0).unwrap();
+        (world.with_pairs(Pairs::Impulse), [100.0, 110.0, 200.0, 219.5].map(ball).to_vec())
+    }
+
+    #[test]
+    fn balls_that_only_touch_are_let_go_of_nowhere_while_others_part() {
+        let (world, balls) = two_pairs();
+        let mut contact = Contact::new(&world, &balls, TUNING);
+        contact.find();
+        for _ in 0..2 {
+            let ids = contact.parting.deep.iter().map(|&at| contact.ids[at]).collect::<Vec<_>>();
+            assert_eq!((&contact.parting.known[..], ids.len()), (&[0, 1][..], 2));
+            contact.find_heaps();
+        }
+    }
+
+    #[test]
+    fn balls_that_are_added_give_no_time_to_those_that_part_and_forget_none() {
+        let (world, mut balls) = two_pairs();
+        let mut contact = Contact::new(&world, &balls, TUNING);
+        for x in [300.0, 310.0] {
+            balls.push(Ball::new(DVec2::new(x, 300.0), 10.0).unwrap());
+            assert!(contact.add(&world, &balls));
+        }
+        contact.find();
+        assert_eq!(contact.parting.known, [0, 1, 4, 5]);
+        contact.parting.left = 0.1;
+        balls.push(Ball::new(DVec2::new(310.0, 300.0), 10.0).unwrap());
+        assert!(contact.add(&world, &balls));
+        contact.find();
+        assert_eq!((&contact.parting.known[..], contact.parting.left), (&[0, 1, 4, 5, 6][..], 0.1));
+    }
 
     #[test]
     fn balls_in_each_other_are_heaps_and_what_nothing_moves_anchors_them_without_joining_them() {
@@ -211,9 +267,13 @@ mod tests {
         };
         let bodies: Vec<Body> = (0..10).map(ball).collect();
         let pairs = [(6, 2), (4, 5), (2, 1), (9, 4), (7, 9), (1, 6)];
-        let found = heaps(&bodies, pairs.into_iter());
-        let found: Vec<_> = found.iter().map(|heap| (&heap.balls[..], heap.is_anchored)).collect();
-        assert_eq!(found, [(&[1, 2, 6][..], false), (&[4, 5], true), (&[7], true)]);
-        assert!(heaps(&bodies, std::iter::empty()).is_empty());
+        let found = |deep: &[usize]| {
+            let heaps = heaps(&bodies, pairs.into_iter(), deep);
+            heaps.into_iter().map(|heap| (heap.balls, heap.is_anchored)).collect::<Vec<_>>()
+        };
+        let [one, two, three] = [(vec![1, 2, 6], false), (vec![4, 5], true), (vec![7], true)];
+        assert_eq!(found(&[2, 4, 6, 7]), [one.clone(), two.clone(), three]);
+        assert_eq!(found(&[1, 5]), [one, two], "none is deep in the third");
+        assert!(found(&[]).is_empty());
     }
 }
