@@ -6,24 +6,23 @@ use super::find::FEW;
 use super::meeting::strike;
 use super::{Body, SHIFT, Setting};
 
-/// Impacts of a ball in one substep, at most: in a crowd what presses is better held than thrown to and fro.
+/// Impacts of a ball in one substep, at most, where impacts take energy and there is no gravity.
 const MOST: u16 = 8;
-/// The same under gravity, where a support holds what is left: as many as leave this part of a speed, each with its
-/// restitution. So near-elastic balls bounce on as with `exact`, and of others no impacts are taken that change little.
-const LEFT: f64 = 0.3;
-/// ... but no fewer than these.
-const FEWEST: u16 = 4;
 /// The same among few balls, where each counts; where nothing ever rests, since no support holds what is left there; and of
 /// elastic balls, which would lose energy to a support.
 const MOST_OF_FEW: u16 = 64;
-/// The same of one that comes from far away: what supports it knows less of its way. No more are taken of any that takes
-/// energy.
+/// The same of one that comes from far away: what supports it knows less of its way.
 const MOST_FAR: u16 = 32;
 /// The same of a fast ball.
 const MOST_FAST: u16 = 256;
-/// All three where balls are a crowd: after each impact all of a ball's pairs are looked at again, and what comes of it is
-/// no flight.
+/// The same where balls are a crowd, of any, one from far away, and a fast one: after each impact all of a ball's pairs are
+/// looked at again, and what comes of it is no flight.
 const MOST_IN_CROWD: (u16, u16, u16) = (1, 1, 4);
+/// Under gravity what presses is better held than thrown to and fro: a ball that is not from far away may be hit as often as
+/// leaves this part of a speed, each time with its restitution, but so often at least, and no more often than one from far away. So
+/// near-elastic balls bounce on as with `exact`, and of others no impacts are taken that change little.
+const LEFT: f64 = 0.3;
+const FEWEST: u16 = 4;
 /// A ball that lies deep in more others than so many is in a crowd, as where a wall was moved over many that nothing slows
 /// down. Where so many pairs of such ones were looked at for each ball, on average, all are taken as a crowd from then on:
 /// what each of their impacts costs grows with their pairs.
@@ -120,11 +119,11 @@ impl Shift {
 /// How often bodies may be hit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
-    /// How often a body may be that is not fast; that comes from far away; and that is fast.
+    /// How often a body may be at least that is not fast; that comes from far away; and that is fast.
     most: u16,
     pub(super) most_far: u16,
     most_fast: u16,
-    /// How often a body may be that is neither, where impacts have not left enough of a speed sooner.
+    /// How often one may be that is neither, as long as its impacts leave enough of a speed.
     most_by_loss: u16,
     /// Whether balls are a crowd.
     crowd: bool,
@@ -139,15 +138,15 @@ pub(super) struct Limits {
 impl Limits {
     /// Those of so many bodies, which are a crowd or not; a share of them is `worked_on`.
     pub(super) fn of(count: usize, worked_on: usize, crowd: bool, setting: &Setting) -> Self {
-        let (most, most_far, most_fast) = match count {
-            ..=FEW => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
-            _ if crowd => MOST_IN_CROWD,
-            _ if !setting.can_rest => (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST),
-            _ if setting.kick != DVec2::ZERO => (FEWEST, MOST_FAR, MOST_FAST),
-            _ => (MOST, MOST_FAR, MOST_FAST),
+        let few = (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST);
+        let ((most, most_far, most_fast), most_by_loss) = match count {
+            ..=FEW => (few, MOST_OF_FEW),
+            _ if crowd => (MOST_IN_CROWD, MOST_IN_CROWD.0),
+            _ if !setting.can_rest => (few, MOST_OF_FEW),
+            _ if setting.kick != DVec2::ZERO => ((FEWEST, MOST_FAR, MOST_FAST), MOST_FAR),
+            _ => ((MOST, MOST_FAR, MOST_FAST), MOST),
         };
         let looks = LOOKS * worked_on.max(FEW);
-        let most_by_loss = if most == FEWEST { most_far } else { most };
         Self { most, most_far, most_fast, most_by_loss, crowd, looks, exhausted: false, ended: false }
     }
 
@@ -178,14 +177,23 @@ impl Limits {
         if fate.hits < least || self.crowd {
             return fate.hits >= least;
         }
-        let most = if restitution == 1.0 {
-            least.max(MOST_OF_FEW)
-        } else if shift != Shift::Far {
-            least.max(hits_that_leave(LEFT, restitution, self.most_by_loss))
-        } else {
-            least
-        };
+        let most = if restitution == 1.0 { least.max(MOST_OF_FEW) } else { self.most(shift, restitution) };
         f64::from(fate.hits) >= f64::from(most) * size.max(1.0)
+    }
+
+    /// Whether a body that is not fast was hit as often as it may be with this restitution, unless by what is smaller, or without
+    /// any loss.
+    pub(super) fn may_be_spent(&self, fate: &Fate, restitution: f64) -> bool {
+        !fate.fast && fate.hits >= self.least(fate.shift) && fate.hits >= self.most(fate.shift, restitution)
+    }
+
+    /// How often a body may be hit that is shifted so, and not fast, with a restitution that takes energy.
+    fn most(&self, shift: Shift, restitution: f64) -> u16 {
+        let least = self.least(shift);
+        if shift == Shift::Far || self.most_by_loss == self.most {
+            return least;
+        }
+        least.max(hits_that_leave(LEFT, restitution, self.most_by_loss))
     }
 }
 

@@ -350,7 +350,7 @@ impl Stage<'_> {
         let Self { setting, bodies, fates, limits, .. } = self;
         limits.ended = true;
         for (body, fate) in bodies.iter_mut().zip(&mut **fates) {
-            fate.fast |= fate.hits >= limits.most_far;
+            fate.fast |= fate.shift == Shift::Far && fate.hits >= limits.most_far;
             if fate.fast {
                 // Not before it was last hit, by a stripe by itself.
                 end(setting, body, time.max(fate.time));

@@ -11,7 +11,7 @@
 use glam::DVec2;
 
 use super::super::within;
-use super::fates::{Fate, Limits};
+use super::fates::Limits;
 use super::find::Near;
 use super::holds::Pair;
 use super::layout::{Layer, Layout};
@@ -69,14 +69,14 @@ impl Contact {
     pub(super) fn keep_to_room(&mut self) {
         self.room.short.clear();
         self.sweep(&[Pass::FIND_DEEP]);
-        let Self { setting, bodies, near: Some(near), course, room, .. } = self else { return };
+        let Self { setting, bodies, restitutions, near: Some(near), course, room, .. } = self else { return };
         let deep: usize = near.stripes.iter().map(|stripe| stripe.deep.len()).sum();
         if near.crowd || deep > bodies.len() {
             // Wherever they went, most would lie in others.
             near.stripes.iter_mut().for_each(|stripe| stripe.deep.clear());
             return;
         }
-        room.find_short(setting, bodies, near, course);
+        room.find_short(setting, (bodies, restitutions), near, course);
         room.go_on(setting, bodies, &near.all());
         if setting.kick != DVec2::ZERO {
             room.pay_for_height(setting, bodies);
@@ -85,7 +85,7 @@ impl Contact {
 
     /// Whether any body may go where nothing was looked for in its way.
     pub(super) fn any_unfollowed(&self) -> bool {
-        let Self { setting, bodies, course, near: Some(near), pairs: true, .. } = self else {
+        let Self { setting, bodies, restitutions, course, near: Some(near), pairs: true, .. } = self else {
             return false;
         };
         if !setting.may_lack_room() {
@@ -95,7 +95,7 @@ impl Contact {
             return course.ended;
         }
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
-        course.fates.iter().any(|fate| is_spent(&limits, fate))
+        course.fates.iter().zip(restitutions).any(|(fate, &own)| limits.may_be_spent(fate, own))
             || near.holding().any(|(first, second, hold)| {
                 [first, second].iter().any(|&at| {
                     let push = hold.impulse * bodies[at].inverse_mass;
@@ -114,7 +114,13 @@ impl Setting {
 
 impl Room {
     /// Finds those that may not go all their way, and puts them back to where they began.
-    fn find_short(&mut self, setting: &Setting, bodies: &mut [Body], near: &mut Near, course: &Course) {
+    fn find_short(
+        &mut self,
+        setting: &Setting,
+        (bodies, restitutions): (&mut [Body], &[f64]),
+        near: &mut Near,
+        course: &Course,
+    ) {
         near.link_pairs(bodies.len());
         let mut found: Vec<usize> = Vec::new();
         let is_deeper = |&Pair { first, second }: &Pair| {
@@ -137,7 +143,7 @@ impl Room {
             let (start, end, fate) = (self.starts[at], bodies[at].position, &course.fates[at]);
             near.cover_way(at, (start, end), bodies, setting);
             // What it would have met after it was hit for the last time it may have been, is not known.
-            let unknown = if is_spent(&limits, fate) {
+            let unknown = if limits.may_be_spent(fate, restitutions[at]) {
                 bodies[at].velocity * setting.substep - bodies[at].free * fate.time
             } else {
                 DVec2::ZERO
@@ -223,11 +229,6 @@ impl Pass<'_> {
             }));
         },
     };
-}
-
-/// Whether a ball that is not fast was hit as often as it may be, or nearly.
-fn is_spent(limits: &Limits, fate: &Fate) -> bool {
-    !fate.fast && fate.hits >= limits.least(fate.shift)
 }
 
 /// Whether what holds a ball pushes it so far in a substep that it could go through others.

@@ -44,8 +44,11 @@ impl Setting {
     /// By how much what holds a ball may change its velocity in a substep, px/s: else it is thrown.
     #[inline]
     fn most_held(&self, fate: &Fate) -> f64 {
-        let kicks = if fate.shift == Shift::None || self.differ { THROWN } else { DRIVEN };
-        kicks * self.kick.length()
+        if fate.shift == Shift::None || self.differ {
+            self.most_thrown()
+        } else {
+            DRIVEN * self.kick.length()
+        }
     }
 
     /// The same of balls that no impact shifted.
