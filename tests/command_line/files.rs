@@ -1,0 +1,119 @@
+//! Where outputs go: never over an input, whole or not at all, to devices and pipes, too.
+
+use super::*;
+
+#[cfg(unix)]
+#[test]
+fn the_file_that_standard_output_goes_to_is_no_place_for_another_output() {
+    let here = folder();
+    let into = |name: &str, args: &[&str]| {
+        let file = fs::File::create(here.path().join(name)).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_carom"));
+        command.current_dir(here.path()).args(args).stdout(file).output().unwrap()
+    };
+    let output = into("all.txt", &["run", "draw", "--trace", "-", "--summary", "all.txt"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("two outputs go to all.txt;"), "{}", stderr(&output));
+    let output = into("all.txt", &["run", "draw", "--trace", "-", "--summary", "other.txt"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[test]
+fn no_output_takes_the_place_of_an_input() {
+    let here = folder();
+    let (scene, deltas) = (here.path().join("mine.toml"), here.path().join("deltas.txt"));
+    fs::write(&scene, succeed(&here, &["scene", "draw"])).unwrap();
+    fs::write(&deltas, "0.5\n").unwrap();
+    let replay = here.path().join("mine.replay");
+    fs::write(&replay, "carom replay 1\n").unwrap();
+    let before = [&scene, &deltas, &replay].map(|path| fs::read(path).unwrap());
+    for option in ["--trace", "--image", "--gif", "--summary"] {
+        let message = "is read, and would be written over; give the output a path of its own";
+        fail(&here, &["run", "mine.toml", "--seconds", "0", option, "./mine.toml"], 2, message);
+        fail(&here, &["run", "draw", "--deltas", "deltas.txt", option, "deltas.txt"], 2, message);
+        fail(&here, &["run", "draw", "--commands", "mine.replay", option, "mine.replay"], 2, message);
+    }
+    assert_eq!([&scene, &deltas, &replay].map(|path| fs::read(path).unwrap()), before);
+    // A scene that is built in is read from no file of its name.
+    succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "draw"]);
+}
+
+#[test]
+fn outputs_are_written_whole_or_not_at_all() {
+    let here = folder();
+    fs::create_dir(here.path().join("taken")).unwrap();
+    fail(&here, &["run", "draw", "--trace", "taken"], 1, "taken: is a directory");
+    fail(
+        &here,
+        &["run", "draw", "--image", "none/it.png"],
+        1,
+        "none/it.png: there is no folder none; no file was written; make the folder first",
+    );
+    fail(&here, &["run", "draw", "--trace", "t.csv", "--image", "none/it.png"], 1, "none/it.png");
+    assert_eq!(names(here.path()), ["taken"], "nothing half-written stays behind");
+    fs::write(here.path().join("t.csv"), "old").unwrap();
+    succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "t.csv"]);
+    assert!(fs::read_to_string(here.path().join("t.csv")).unwrap().starts_with("frame,time,"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_device_is_written_to_and_not_replaced() {
+    use std::os::unix::fs::FileTypeExt;
+    let here = folder();
+    succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "/dev/null"]);
+    assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_is_an_error_and_a_closed_pipe_is_not() {
+    let here = folder();
+    fail(&here, &["run", "gravity", "--trace", "/dev/full"], 1, "/dev/full: ");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_carom"))
+        .args(["run", "gravity", "--seconds", "100", "--trace", "-"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_reader_that_goes_away_takes_no_file_with_it() {
+    let here = folder();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_carom"))
+        .args(["run", "gravity", "--seconds", "20", "--trace", "-", "--image", "last.png"])
+        .current_dir(here.path())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+    assert!(tiny_skia::Pixmap::load_png(here.path().join("last.png")).is_ok());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_exit_code_tells_even_where_standard_error_is_full() {
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let status =
+        Command::new(env!("CARGO_BIN_EXE_carom")).args(["run", "nosuch"]).stderr(full).status().unwrap();
+    assert_eq!(status.code(), Some(2));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_replaced_file_keeps_its_mode_and_a_new_one_has_the_usual() {
+    use std::os::unix::fs::PermissionsExt;
+    let here = folder();
+    let mode = |name| fs::metadata(here.path().join(name)).unwrap().permissions().mode() & 0o777;
+    fs::write(here.path().join("usual"), "").unwrap();
+    fs::write(here.path().join("private"), "").unwrap();
+    fs::set_permissions(here.path().join("private"), fs::Permissions::from_mode(0o600)).unwrap();
+    succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "new", "--image", "private"]);
+    assert_eq!((mode("private"), mode("new")), (0o600, mode("usual")));
+}

@@ -1,0 +1,94 @@
+//! Calls that are refused, and what is said then.
+
+use super::*;
+
+#[test]
+fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
+    let here = folder();
+    fs::write(here.path().join("bad.toml"), "[[ball]]\nposition = [1, 2]\nradius = -1\n").unwrap();
+    fs::write(here.path().join("bad.txt"), "0\n0.1\nsoon\n").unwrap();
+    fs::write(here.path().join("negative.txt"), "-1\n").unwrap();
+    fs::write(here.path().join("empty.txt"), "# nothing\n").unwrap();
+    fs::write(here.path().join("a.replay"), "carom replay 1\nscene gravity\nframe 0\n").unwrap();
+    fs::write(here.path().join("binary.toml"), [0xff, 0xfe, 0x00]).unwrap();
+    let cases: &[(&[&str], &str)] = &[
+        (&["run", "nosuch"], "there is no scene \"nosuch\"; choose from: draw"),
+        (&["run", "nosuch.toml"], "nosuch.toml: "),
+        (&["run", "bad.toml"], "bad.toml:3: radius is -1 px"),
+        (&["run", "binary.toml"], "binary.toml: "),
+        (&["scene", "bad.toml"], "bad.toml:3"),
+        (&["run"], "<SCENE>"),
+        (&["run", "draw", "--seconds", "-1"], "--seconds"),
+        (&["run", "draw", "--seconds", "nan"], "--seconds is NaN"),
+        (&["run", "draw", "--fps", "0"], "--fps is 0"),
+        (&["run", "draw", "--deltas", "none.txt"], "none.txt: "),
+        (&["run", "draw", "--deltas", "bad.txt"], "bad.txt:3: \"soon\" is not a number"),
+        (&["run", "draw", "--deltas", "negative.txt"], "negative.txt:1: delta is -1 s; it must be from 0"),
+        (&["run", "draw", "--deltas", "empty.txt"], "empty.txt has no deltas"),
+        (&["run", "draw", "--deltas", "bad.txt", "--fps", "30"], "cannot be used with"),
+        (&["run", "draw", "--size", "0x10"], "size is 0 px; it must be from 1"),
+        (&["run", "draw", "--size", "wide"], "such as 1280x720"),
+        (&["run", "draw", "--every", "0", "--trace", "-"], "write a whole number from 1, such as 10"),
+        (&["run", "draw", "--every", "3"], "--trace <FILE.csv>"),
+        (&["run", "draw", "--image", "it.jpg"], "what is written is a png; name it it.png"),
+        (&["run", "draw", "--image", "it.gif"], "what is written is a png; name it it.png"),
+        (&["run", "draw", "--gif", "it.mp4"], "what is written is a gif; name it it.gif"),
+        (&["run", "draw", "--seed", "-1"], "write a whole number from 0 to 18446744073709551615"),
+        (&["run", "draw", "--seconds", "soon"], "write a number of seconds, such as 2.5"),
+        (&["run", "draw", "--fps", "fast"], "write a number of frames per second, such as 60"),
+        (
+            &["run", "a.replay"],
+            "a.replay is a replay, not a scene; play it with carom run gravity --commands \"a.replay\"",
+        ),
+        (&["a.replay"], "carom run gravity --commands \"a.replay\""),
+        (&["run", "draw", "--solver", "magic"], "there is no solver \"magic\""),
+        (&["run", "draw", "--balls", "-5"], "write a whole number from 0 to 10000000, such as 50"),
+        (&["run", "draw", "--balls", "99999999999"], "balls are too many; the most is 10000000"),
+        (&["run", "gravity", "--size", "100x100"], "wider than the world (100x100 px)"),
+        (&["run", "draw", "--size", "100000x100000", "--image", "it.png"], "give a smaller --size"),
+        (&["run", "draw", "--size", "70000x10", "--gif", "it.gif"], "at most 65535x65535 px"),
+        #[cfg(feature = "window")]
+        (&["gravity", "--size", "100x100"], "wider than the world (100x100 px)"),
+        (&["nosuch"], "there is no scene \"nosuch\""),
+        (&["--scale", "0"], "such as 0.5"),
+    ];
+    for (args, message) in cases {
+        fail(&here, args, 2, message);
+    }
+}
+
+#[test]
+fn more_than_there_may_be_is_refused_before_it_is_made() {
+    let here = folder();
+    let write = |name: &str, text: &str| fs::write(here.path().join(name), text).unwrap();
+    write("one.toml", "[[fill]]\ncount = 1000000000\nradius = 0.001\n");
+    write("sum.toml", &"[[fill]]\ncount = 4000000\nradius = 0.001\n".repeat(3));
+    let keys: Vec<String> = (0..100_000).map(|key| format!("key{key} = 1\n")).collect();
+    write("keys.toml", &keys.concat());
+    write("digits.txt", &"9".repeat(1_000_000));
+    fs::create_dir(here.path().join("folder.toml")).unwrap();
+    // Longer than any may be, and all of it nothing.
+    fs::File::create(here.path().join("long.toml")).unwrap().set_len((1 << 27) + 1).unwrap();
+    fs::File::create(here.path().join("long.txt")).unwrap().set_len((1 << 28) + 1).unwrap();
+    let cases: &[(&[&str], &str)] = &[
+        (&["run", "one.toml"], "one.toml:2: count is 1000000000; a simulation takes at most 10000000 balls"),
+        (
+            &["run", "sum.toml"],
+            "sum.toml:8: the scene has 12000000 balls; a simulation takes at most 10000000",
+        ),
+        (&["run", "draw", "--balls", "1000000000"], "1000000001 balls are too many; the most is 10000000"),
+        (&["run", "draw", "--balls", "18446744073709551615"], "balls are too many; the most is 10000000"),
+        (&["run", "keys.toml"], "keys.toml:1: unknown field `key0`, expected one of"),
+        (&["run", "long.toml"], "long.toml has more than 134217728 bytes"),
+        (&["run", "draw", "--deltas", "long.txt"], "long.txt: the file has more than 268435456 bytes"),
+        (&["run", "draw", "--deltas", "digits.txt"], "digits.txt:1: delta is inf s"),
+        (&["run", "draw", "--deltas", "folder.toml"], "folder.toml: Is a directory"),
+        (&["run", "folder.toml"], "folder.toml: Is a directory"),
+        (&["run", "draw", "--seconds", "1e9", "--fps", "1e9"], "ask for at most 1e15"),
+    ];
+    for (args, message) in cases {
+        let begun = Instant::now();
+        fail(&here, args, 2, message);
+        assert!(begun.elapsed() < Duration::from_secs(20), "{args:?} took {:?}", begun.elapsed());
+    }
+}
