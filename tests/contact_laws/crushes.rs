@@ -1,7 +1,7 @@
 //! Balls that are crushed between others, and have more impacts than a substep takes.
 
 use carom::simulation::invariants::max_wall_overlap;
-use carom::{Ball, DVec2, Simulation};
+use carom::{Ball, DVec2, Scene, Simulation};
 
 use super::{EARTH, FRAME, ball, both_ways, energy, moving, overlap, simulation, world};
 
@@ -147,6 +147,24 @@ fn fast_balls_squeeze_none_through_a_row_of_fixed_ones_with_gravity_or_without()
                 let deepest = overlap(&shot);
                 assert!(gravity != DVec2::ZERO || deepest < 0.03, "seed {seed}, frame {frame}: {deepest}");
             }
+        }
+    }
+}
+
+/// Found among random scenes: what holds a ball that comes from far away gave 5e-7 of all energy.
+#[test]
+fn what_holds_balls_that_come_from_far_away_gives_them_no_energy() {
+    let scene = Scene::parse("far-away", include_str!("../data/far-away.toml")).unwrap();
+    for mut crowd in both_ways(&scene.build().unwrap()) {
+        let mut before = energy(&crowd);
+        for frame in 0..60 {
+            crowd.advance(FRAME).unwrap();
+            assert!(
+                energy(&crowd) <= before * (1.0 + 1e-12),
+                "frame {frame}: {before} became {}",
+                energy(&crowd)
+            );
+            before = energy(&crowd);
         }
     }
 }

@@ -1,24 +1,28 @@
 //! What holds unlike balls gives them no energy.
 //!
 //! A ball may count as heavier than it is where it is held (`weights`), what is let go of keeps what it was given, and what
-//! pressed in the last substep may press on nothing in this one: each of these may be energy from nowhere. So balls that
-//! become faster by what holds them take together no more than it takes from others. Impacts see to their own energy.
+//! pressed in the last substep may press on nothing in this one: each of these may be energy from nowhere. So may, without
+//! gravity, what holds a ball that comes from far away. So balls that become faster by what holds them take together no more than
+//! it takes from others. Impacts see to their own energy.
 
 use glam::DVec2;
 
 use super::Contact;
+use super::fates::Shift;
 
 impl Contact {
-    /// Notes the energy of unlike balls after their impacts, without what holds them.
+    /// Notes the energy of unlike balls after their impacts, without what holds them; and without gravity that of all, where any
+    /// comes from far away: it is held by where it will be, which may ask for more speed than is taken away again.
     pub(super) fn note_energy(&mut self) {
-        let Self { setting, bodies, near: Some(near), .. } = self else { return };
+        let Self { setting, bodies, near: Some(near), course, .. } = self else { return };
+        let far = || course.fates.iter().any(|fate| fate.shift == Shift::Far);
         near.weights.unheld.clear();
-        if near.weights.differ {
+        if near.weights.differ || (setting.kick == DVec2::ZERO && far()) {
             near.weights.unheld.extend(bodies.iter().map(|body| energy(body.free, setting.kick)));
         }
     }
 
-    /// Slows unlike balls that have gained energy by what holds them, where they have gained more than others have lost.
+    /// Slows those of them that have gained energy by what holds them, where they have gained more than others have lost.
     pub(super) fn keep_energy(&mut self) {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
         let kick = setting.kick;
