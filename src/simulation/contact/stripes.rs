@@ -10,6 +10,7 @@ use super::layout::{Layer, Layout};
 use super::legs::Leg;
 use super::order::{Heights, Kept, Known, Links};
 use super::rewind::Taken;
+use super::substeps::CARRIED;
 use super::support::Floor;
 use super::take_up::Followed;
 use super::{Body, DVec2, PRESSED, Setting};
@@ -79,9 +80,8 @@ pub(super) struct Stripe {
     pub(super) known: Known,
     /// How many of its bodies impacts have shifted in this substep.
     pub(super) shifted: usize,
-    /// The greatest impulse that holds two of its balls apart, when that was last looked at: as a velocity of the lighter
-    /// one or less, px/s.
-    pub(super) carried: f64,
+    /// How many of its pairs carried more than each of the loads that ask for shorter substeps, when that was last looked at.
+    pub(super) heavy: [usize; CARRIED.len()],
     /// Whether impulses that hold apart changed much in the last sweep.
     pub(super) unsettled: bool,
     /// What happened in all turns but the last.
@@ -110,7 +110,7 @@ impl Stripe {
         self.leaving.clear();
         self.disturbed.clear();
         self.shifted = 0;
-        self.carried = 0.0;
+        self.heavy = [0; CARRIED.len()];
     }
 
     /// Whether it has neither pairs nor anything beside a wall.
