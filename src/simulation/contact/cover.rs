@@ -6,8 +6,8 @@ use std::mem::take;
 use glam::DVec2;
 
 use super::super::grid::Disc;
+use super::constraints::Pair;
 use super::find::{Cells, FEW, Near, in_cells, is_clear};
-use super::holds::Pair;
 use super::layout::{Layer, Layout};
 use super::stripes::{Stripe, of_layer};
 use super::team::Team;

@@ -6,8 +6,8 @@
 use glam::{DVec2, Vec2Swizzles};
 
 use super::super::grid::{Grid, touch};
+use super::constraints::{Beside, Constraint, Marks, Pair};
 use super::cover::{Covered, Home};
-use super::holds::{Beside, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
 use super::show::Start;
 use super::sleep::Rest;
@@ -155,21 +155,21 @@ impl Near {
         self.kept_pushes = pushes;
         if places.is_none() && layout == self.layout {
             // They stay where they are.
-            self.stripes.iter_mut().for_each(|stripe| stripe.kept.take(&mut stripe.holds));
+            self.stripes.iter_mut().for_each(|stripe| stripe.kept.take(&mut stripe.constraints));
             return;
         }
-        let held = self.holding().map(|(first, second, hold)| {
+        let held = self.holding().map(|(first, second, constraint)| {
             let pair = Pair { first: place(first), second: place(second) };
-            Hold { pair, ..*hold }
+            Constraint { pair, ..*constraint }
         });
         let held: Vec<_> = held.collect();
         self.layout = layout;
         self.stripes.resize_with(layout.len(), Stripe::default);
         self.stripes.iter_mut().for_each(|stripe| stripe.kept.clear());
-        for hold in held {
-            let number = layout.of_pair(hold.pair.first as usize, hold.pair.second as usize);
-            let pair = hold.pair.within(layout.start(number));
-            self.stripes[number].kept.add(Hold { pair, ..hold });
+        for constraint in held {
+            let number = layout.of_pair(constraint.pair.first as usize, constraint.pair.second as usize);
+            let pair = constraint.pair.within(layout.start(number));
+            self.stripes[number].kept.add(Constraint { pair, ..constraint });
         }
     }
 
@@ -206,12 +206,12 @@ impl Near {
     }
 
     /// All pairs that hold each other, with the numbers of their balls.
-    pub(super) fn holding(&self) -> impl Iterator<Item = (usize, usize, &Hold)> {
+    pub(super) fn holding(&self) -> impl Iterator<Item = (usize, usize, &Constraint)> {
         self.stripes.iter().enumerate().flat_map(|(number, stripe)| {
             let start = self.layout.start(number);
-            stripe.holds.iter().filter(|hold| hold.impulse > 0.0).map(move |hold| {
-                let pair = hold.pair.from(start);
-                (pair.first as usize, pair.second as usize, hold)
+            stripe.constraints.iter().filter(|constraint| constraint.impulse > 0.0).map(move |constraint| {
+                let pair = constraint.pair.from(start);
+                (pair.first as usize, pair.second as usize, constraint)
             })
         })
     }
@@ -349,7 +349,7 @@ impl Near {
         team.each(stripes.iter_mut().enumerate(), |(number, stripe)| {
             let start = layout.start(number).min(bodies.len());
             let bodies = &bodies[start..start + layout.count(number, bodies.len())];
-            let Stripe { pairs, holds, places_of_holds, marks, kept, heights, .. } = &mut *stripe;
+            let Stripe { pairs, constraints, places_of_constraints, marks, kept, heights, .. } = &mut *stripe;
             kept.link(bodies.len());
             if layout.is_cut() {
                 for part in gathered {
@@ -364,12 +364,12 @@ impl Near {
                 heights.sort(pairs, bodies, -setting.kick.normalize_or_zero());
             }
             marks.resize(pairs.len(), Marks::CLOSE);
-            places_of_holds.resize(pairs.len(), NOWHERE);
-            for ((pair, mark), place) in pairs.iter().zip(marks).zip(places_of_holds) {
-                if let Some(hold) = kept.of(*pair) {
+            places_of_constraints.resize(pairs.len(), NOWHERE);
+            for ((pair, mark), place) in pairs.iter().zip(marks).zip(places_of_constraints) {
+                if let Some(constraint) = kept.of(*pair) {
                     mark.set(Marks::HELD | Marks::LIVE, true);
-                    *place = holds.len() as u32;
-                    holds.push(Hold { pair: *pair, ..hold });
+                    *place = constraints.len() as u32;
+                    constraints.push(Constraint { pair: *pair, ..constraint });
                 }
             }
             // Where none sleeps or is fixed, all weigh what they did.

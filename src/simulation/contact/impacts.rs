@@ -10,9 +10,9 @@
 
 use std::collections::BinaryHeap;
 
+use super::constraints::Marks;
 use super::events::{Event, Spot, What};
 use super::fates::{DEEP_IN_CROWD, Fate, Limits, Shift, is_fast};
-use super::holds::Marks;
 use super::legs::Leg;
 use super::meeting::{Approach, Meeting, exchange};
 use super::sleep::Rest;

@@ -7,8 +7,8 @@
 
 use glam::DVec2;
 
+use super::constraints::Marks;
 use super::find::Near;
-use super::holds::Marks;
 use super::sleep::Rest;
 use super::stripes::{Holder, Stripes};
 use super::{Body, Setting};
@@ -36,7 +36,7 @@ pub(super) struct Resting<'a> {
 pub(super) struct Loads {
     /// For each ball, whether it rests on what does so, too, if it stands still.
     pub(super) bears: Vec<bool>,
-    /// What holds take besides what they gave in the last substep, from the top down.
+    /// What constraints take besides what they gave in the last substep, from the top down.
     by_balls: Vec<Passed>,
     /// What walls do: the ball, and the velocity that they give it in a substep, px/s.
     by_walls: Vec<(usize, DVec2)>,
@@ -188,9 +188,9 @@ impl Near {
             // What is awake finds its own.
             let stripe = &mut self.stripes[*number];
             if stripe.marks[*at].has(Marks::IDLE)
-                && let Some(hold) = stripe.hold_mut(*at)
+                && let Some(constraint) = stripe.constraint_mut(*at)
             {
-                hold.impulse = (hold.impulse + impulse).max(0.0);
+                constraint.impulse = (constraint.impulse + impulse).max(0.0);
             }
         }
         for &(at, push) in loads.by_walls.iter().filter(|&&(at, _)| rests[at].asleep) {

@@ -3,15 +3,17 @@
 //!
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
-//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `holds`,
+//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `constraints`,
 //!    `order`; of single balls `cover`), and what balls weigh where they are held, where masses differ (`weights`);
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `rewind`, `events`, `fates`, `impacts`,
 //!    `meeting`, `together`, `walls`);
-//! 4. what then still presses on something is held by impulses without restitution, and moved out of overlaps
-//!    (`take_up`, `support`, `wall_support`; what counts as heavier than it is, and is fast, is slowed down before);
-//! 5. balls move (`Pass::TRAVEL`), those that would end in others only as far as there is room (`room`, `barred`); unlike ones
-//!    are kept from gaining energy (`energy`), so are those that were put into each other, until they have parted (`parting`), and
-//!    those that were thrown by what holds them are let go of (`thrown`);
+//! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
+//!    substep's impulses, and is stopped on what carries it from the ground up (`prepare`, `support`, `wall_support`; what counts
+//!    as heavier than it is, and is fast, is slowed down before);
+//! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
+//!    those that would end in others go only as far as there is room (`room`, `barred`); unlike ones are kept from gaining energy
+//!    (`energy`), so are those that were put into each other, until they have parted (`parting`), and those that were thrown by
+//!    what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
@@ -26,12 +28,12 @@
 mod advance;
 mod barred;
 mod body;
+mod constraints;
 mod cover;
 mod energy;
 mod events;
 mod fates;
 mod find;
-mod holds;
 mod impacts;
 mod layout;
 mod legs;
@@ -39,6 +41,7 @@ mod loads;
 mod meeting;
 mod order;
 mod parting;
+mod prepare;
 mod rewind;
 mod room;
 mod show;
@@ -47,7 +50,6 @@ mod stripes;
 mod substeps;
 mod support;
 mod sweep;
-mod take_up;
 mod team;
 mod thrown;
 mod together;
@@ -77,7 +79,7 @@ use team::Team;
 use turns::Course;
 
 /// A pair that holds each other bounces only where it meets faster than [`Setting::firm`] and this part of the velocity
-/// that the hold gives it in a substep, but no more than so many kicks of gravity: under a great load, what is left to be
+/// that the constraint gives it in a substep, but no more than so many kicks of gravity: under a great load, what is left to be
 /// found of that is no impact.
 const PRESSED: (f64, f64) = (0.2, 200.0);
 
@@ -371,9 +373,9 @@ impl Pass<'_> {
         layers: Layer::OUTWARD,
         only_busy: true,
         work: &|_, stripe, Share { bodies, .. }| {
-            for hold in stripe.holds.iter().filter(|hold| hold.impulse > 0.0) {
-                let push = hold.normal * hold.impulse + hold.grip;
-                let (first, second) = two(bodies, hold.pair);
+            for constraint in stripe.constraints.iter().filter(|constraint| constraint.impulse > 0.0) {
+                let push = constraint.normal * constraint.impulse + constraint.grip;
+                let (first, second) = two(bodies, constraint.pair);
                 give(push, first, second);
             }
             for beside in &stripe.beside {

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::Body;
-use super::holds::{Hold, Pair};
+use super::constraints::{Constraint, Pair};
 
 /// The height of a layer, in the smallest radius.
 const LAYER: f64 = 0.25;
@@ -199,54 +199,54 @@ impl Known {
 /// What held the balls of a stripe when pairs were searched anew: their impulses outlive the search, for a warm start.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Kept {
-    holds: Vec<Hold>,
-    /// For each ball the last hold of which it is the lower one, and for each hold the one before.
+    constraints: Vec<Constraint>,
+    /// For each ball the last constraint of which it is the lower one, and for each of these the one before.
     lasts: Vec<u32>,
     befores: Vec<u32>,
 }
 
 impl Kept {
     pub(super) fn clear(&mut self) {
-        self.holds.clear();
+        self.constraints.clear();
     }
 
-    /// Takes all holds of a stripe.
-    pub(super) fn take(&mut self, holds: &mut Vec<Hold>) {
+    /// Takes all constraints of a stripe.
+    pub(super) fn take(&mut self, constraints: &mut Vec<Constraint>) {
         self.clear();
-        std::mem::swap(&mut self.holds, holds);
+        std::mem::swap(&mut self.constraints, constraints);
     }
 
-    pub(super) fn add(&mut self, hold: Hold) {
-        self.holds.push(hold);
+    pub(super) fn add(&mut self, constraint: Constraint) {
+        self.constraints.push(constraint);
     }
 
-    /// Puts the holds that hold something where those of each of so many balls are found.
+    /// Puts the constraints that hold something where those of each of so many balls are found.
     pub(super) fn link(&mut self, count: usize) {
-        let Self { holds, lasts, befores } = self;
+        let Self { constraints, lasts, befores } = self;
         lasts.clear();
         befores.clear();
-        holds.retain(|hold| hold.impulse > 0.0);
-        if holds.is_empty() {
+        constraints.retain(|constraint| constraint.impulse > 0.0);
+        if constraints.is_empty() {
             return;
         }
         lasts.resize(count, NO_LINK);
-        for (at, hold) in (0..).zip(&*holds) {
-            let lower = hold.pair.first.min(hold.pair.second) as usize;
+        for (at, constraint) in (0..).zip(&*constraints) {
+            let lower = constraint.pair.first.min(constraint.pair.second) as usize;
             befores.push(std::mem::replace(&mut lasts[lower], at));
         }
     }
 
     /// What two balls held each other with. Holds must be linked.
     #[inline]
-    pub(super) fn of(&self, pair: Pair) -> Option<Hold> {
+    pub(super) fn of(&self, pair: Pair) -> Option<Constraint> {
         let mut at = *self.lasts.get(pair.first.min(pair.second) as usize)?;
         while at != NO_LINK {
-            let hold = self.holds[at as usize];
-            if (hold.pair.first, hold.pair.second) == (pair.first, pair.second) {
-                return Some(hold);
+            let constraint = self.constraints[at as usize];
+            if (constraint.pair.first, constraint.pair.second) == (pair.first, pair.second) {
+                return Some(constraint);
             }
-            if (hold.pair.second, hold.pair.first) == (pair.first, pair.second) {
-                return Some(hold.turned_round());
+            if (constraint.pair.second, constraint.pair.first) == (pair.first, pair.second) {
+                return Some(constraint.turned_round());
             }
             at = self.befores[at as usize];
         }
@@ -254,7 +254,7 @@ impl Kept {
     }
 }
 
-impl Hold {
+impl Constraint {
     /// The same, with the balls the other way round.
     fn turned_round(self) -> Self {
         let pair = Pair { first: self.pair.second, second: self.pair.first };

@@ -8,8 +8,8 @@
 
 use glam::DVec2;
 
+use super::prepare::let_go;
 use super::sleep::Rest;
-use super::take_up::let_go;
 use super::{Body, Contact};
 
 /// For so long after balls were put somewhere they may still lie in each other, s.

@@ -7,9 +7,9 @@
 
 use std::ops::Range;
 
+use super::constraints::Marks;
 use super::events::{Event, Spot};
 use super::fates::Fate;
-use super::holds::Marks;
 use super::impacts::Stage;
 use super::legs::Leg;
 use super::stripes::{NOWHERE, Stripes};

@@ -11,9 +11,9 @@
 use glam::DVec2;
 
 use super::super::within;
+use super::constraints::Pair;
 use super::fates::Limits;
 use super::find::Near;
-use super::holds::Pair;
 use super::layout::{Layer, Layout};
 use super::stripes::{Stripe, Stripes};
 use super::sweep::{Pass, Share};
@@ -22,7 +22,7 @@ use super::{Body, Contact, Setting};
 
 /// A ball may end in another by this part of the smaller radius, or as deep as it began: that is mended.
 const DEEPEST: f64 = 0.02;
-/// Who may go through others is looked for where one hold pushes a ball by more than this part of its radius in a substep: many
+/// Who may go through others is looked for where one constraint pushes a ball by more than this part of its radius in a substep: many
 /// together may push it by all of it, which is far enough (`is_pushed_far`).
 const PUSHED: f64 = 0.125;
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
@@ -96,9 +96,9 @@ impl Contact {
         }
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
         course.fates.iter().zip(restitutions).any(|(fate, &own)| limits.may_be_spent(fate, own))
-            || near.holding().any(|(first, second, hold)| {
+            || near.holding().any(|(first, second, constraint)| {
                 [first, second].iter().any(|&at| {
-                    let push = hold.impulse * bodies[at].inverse_mass;
+                    let push = constraint.impulse * bodies[at].inverse_mass;
                     push > PUSHED * bodies[at].radius / setting.substep
                 })
             })

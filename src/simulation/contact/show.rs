@@ -44,8 +44,8 @@ impl Contact {
         held.clear();
         held.resize(bodies.len(), false);
         let find = |(stripe, held): (&mut Stripe, &mut [bool])| {
-            for hold in stripe.holds.iter().filter(|hold| hold.impulse > 0.0) {
-                for body in [hold.pair.first, hold.pair.second] {
+            for constraint in stripe.constraints.iter().filter(|constraint| constraint.impulse > 0.0) {
+                for body in [constraint.pair.first, constraint.pair.second] {
                     held[body as usize] = true;
                 }
             }

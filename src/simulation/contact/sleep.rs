@@ -7,11 +7,11 @@
 
 use glam::DVec2;
 
-use super::holds::Given;
+use super::constraints::Given;
 use super::loads::Resting;
+use super::prepare::let_go;
 use super::stripes::Stripes;
 use super::substeps::Substeps;
-use super::take_up::let_go;
 use super::thrown::THROWN;
 use super::{Body, Contact};
 

@@ -4,18 +4,18 @@
 use std::collections::BinaryHeap;
 
 use super::super::Tally;
+use super::constraints::{Beside, Constraint, Given, Marks, Pair};
 use super::events::Event;
-use super::holds::{Beside, Given, Hold, Marks, Pair};
 use super::layout::{Layer, Layout};
 use super::legs::Leg;
 use super::order::{Heights, Kept, Known, Links};
+use super::prepare::Followed;
 use super::rewind::Taken;
 use super::substeps::CARRIED;
 use super::support::Floor;
-use super::take_up::Followed;
 use super::{Body, DVec2, PRESSED, Setting};
 
-/// The place of a ball that is not beside a wall, and of the hold of a pair that has none.
+/// The place of a ball that is not beside a wall, and of the constraint of a pair that has none.
 pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// Pairs of a range of bodies, by the places of these within it, and what is known of them.
@@ -25,9 +25,9 @@ pub(super) struct Stripe {
     /// up, before those that were added since.
     pub(super) pairs: Vec<Pair>,
     /// How pairs are held apart: those that have been since the search, in the order in which they came to be.
-    pub(super) holds: Vec<Hold>,
-    /// For each pair the place of its hold among them, or [`NOWHERE`].
-    pub(super) places_of_holds: Vec<u32>,
+    pub(super) constraints: Vec<Constraint>,
+    /// For each pair the place of its constraint among them, or [`NOWHERE`].
+    pub(super) places_of_constraints: Vec<u32>,
     /// For each pair, what is known of it.
     pub(super) marks: Vec<Marks>,
     /// What held them before the search.
@@ -42,7 +42,7 @@ pub(super) struct Stripe {
     pub(super) close: Vec<u32>,
     pub(super) dealt: Vec<u32>,
     pub(super) close_for: Followed,
-    /// The places of the holds of those that are, dealt.
+    /// The places of the constraints of those that are, dealt.
     pub(super) touching: Vec<u32>,
     /// The same, those of each upper ball side by side, and where these end, after a 0.
     pub(super) carrying: Vec<u32>,
@@ -91,7 +91,8 @@ pub(super) struct Stripe {
 impl Stripe {
     /// Forgets all pairs and walls.
     pub(super) fn clear(&mut self, count: usize) {
-        let Self { pairs, holds, places_of_holds, marks, links, beside, places_beside, .. } = self;
+        let Self { pairs, constraints, places_of_constraints, marks, links, beside, places_beside, .. } =
+            self;
         let Self { close, dealt, close_for, touching, carrying, uppers, carrying_for, .. } = self;
         for list in [close, dealt, touching, carrying, uppers] {
             list.clear();
@@ -99,8 +100,8 @@ impl Stripe {
         close_for.forget();
         carrying_for.forget();
         pairs.clear();
-        holds.clear();
-        places_of_holds.clear();
+        constraints.clear();
+        places_of_constraints.clear();
         marks.clear();
         links.clear();
         beside.clear();
@@ -143,7 +144,7 @@ impl Stripe {
         let mut marks = Marks::CLOSE;
         marks.weigh(first, second);
         self.marks.push(marks);
-        self.places_of_holds.push(NOWHERE);
+        self.places_of_constraints.push(NOWHERE);
     }
 
     /// Notes that a pair has exchanged momentum; `after` the substep's beginning or right then.
@@ -157,14 +158,14 @@ impl Stripe {
 
     /// How a pair is held apart, if it ever was.
     #[inline]
-    pub(super) fn hold(&self, at: usize) -> Option<&Hold> {
-        self.holds.get(self.places_of_holds[at] as usize)
+    pub(super) fn constraint(&self, at: usize) -> Option<&Constraint> {
+        self.constraints.get(self.places_of_constraints[at] as usize)
     }
 
     /// The same, to be changed.
     #[inline]
-    pub(super) fn hold_mut(&mut self, at: usize) -> Option<&mut Hold> {
-        self.holds.get_mut(self.places_of_holds[at] as usize)
+    pub(super) fn constraint_mut(&mut self, at: usize) -> Option<&mut Constraint> {
+        self.constraints.get_mut(self.places_of_constraints[at] as usize)
     }
 
     /// The speed, px/s, below which a pair that presses on each other does not bounce; [`None`] where it does not press.
@@ -174,7 +175,8 @@ impl Stripe {
             return None;
         }
         let (part, most) = PRESSED;
-        let carried = self.hold(at).map_or(0.0, |hold| part * hold.impulse / hold.mass);
+        let carried =
+            self.constraint(at).map_or(0.0, |constraint| part * constraint.impulse / constraint.mass);
         Some(setting.firm + carried.min(most * setting.kick.length()))
     }
 
@@ -184,8 +186,8 @@ impl Stripe {
         let pair = self.pairs[at];
         let [first, second] = [pair.first, pair.second].map(|body| bodies[body as usize].inverse_mass);
         self.marks[at].weigh(first, second);
-        if let Some(hold) = self.hold_mut(at) {
-            hold.mass = (first + second).recip();
+        if let Some(constraint) = self.constraint_mut(at) {
+            constraint.mass = (first + second).recip();
         }
     }
 
@@ -230,10 +232,10 @@ impl Stripes<'_> {
         let mut given = Given { velocity: DVec2::ZERO, pressed: 0.0 };
         for number in self.of_body(body) {
             let (stripe, body) = (&self.list[number], (body - self.layout.start(number)) as u32);
-            for hold in stripe.links.of(body).filter_map(|at| stripe.hold(at)) {
-                let push = (hold.normal * hold.impulse + hold.grip) * inverse_mass;
-                given.velocity += if hold.pair.first == body { push } else { -push };
-                given.pressed += hold.impulse * inverse_mass;
+            for constraint in stripe.links.of(body).filter_map(|at| stripe.constraint(at)) {
+                let push = (constraint.normal * constraint.impulse + constraint.grip) * inverse_mass;
+                given.velocity += if constraint.pair.first == body { push } else { -push };
+                given.pressed += constraint.impulse * inverse_mass;
             }
             if let Some(at) = stripe.place_beside(body) {
                 given.velocity += stripe.beside[at].push;
@@ -247,13 +249,13 @@ impl Stripes<'_> {
     pub(super) fn holders(&self, body: usize) -> impl Iterator<Item = Holder> {
         self.of_body(body).flat_map(move |number| {
             let (stripe, start) = (&self.list[number], self.layout.start(number));
-            let holds = stripe.links.of((body - start) as u32).map(|at| (at, stripe.hold(at)));
-            let holds = holds.filter_map(|(at, hold)| Some((at, hold?)));
-            holds.filter(|(_, hold)| hold.impulse > 0.0).map(move |(at, hold)| {
-                let (pair, normal) = (hold.pair.from(start), hold.normal);
+            let constraints = stripe.links.of((body - start) as u32).map(|at| (at, stripe.constraint(at)));
+            let constraints = constraints.filter_map(|(at, constraint)| Some((at, constraint?)));
+            constraints.filter(|(_, constraint)| constraint.impulse > 0.0).map(move |(at, constraint)| {
+                let (pair, normal) = (constraint.pair.from(start), constraint.normal);
                 let (first, second) = (pair.first as usize, pair.second as usize);
                 let (other, normal) = if first == body { (second, normal) } else { (first, -normal) };
-                Holder { number, at, other, normal, impulse: hold.impulse }
+                Holder { number, at, other, normal, impulse: constraint.impulse }
             })
         })
     }

@@ -221,9 +221,9 @@ impl Contact {
         }
         if let Some(near) = near {
             for stripe in &mut near.stripes {
-                for hold in &mut stripe.holds {
-                    hold.impulse *= ratio;
-                    hold.grip *= ratio;
+                for constraint in &mut stripe.constraints {
+                    constraint.impulse *= ratio;
+                    constraint.grip *= ratio;
                 }
                 for beside in &mut stripe.beside {
                     beside.push *= ratio;
@@ -280,8 +280,8 @@ impl Pass<'_> {
         work: &|setting, stripe, _| {
             let loads = CARRIED.map(|most| most * setting.kick.length());
             stripe.heavy = [0; CARRIED.len()];
-            for hold in &stripe.holds {
-                let carried = 0.5 * hold.impulse / hold.mass;
+            for constraint in &stripe.constraints {
+                let carried = 0.5 * constraint.impulse / constraint.mass;
                 for (heavy, load) in stripe.heavy.iter_mut().zip(loads) {
                     *heavy += usize::from(carried > load);
                 }
@@ -368,9 +368,9 @@ mod tests {
     /// How many substeps the next beat has where one pair of a pile at rest carries the weight of so many balls.
     fn count_under(pile: &mut Contact, balls: f64) -> u32 {
         let weight = pile.setting.kick.length();
-        let hold = pile.near.as_mut().unwrap().stripes[0].holds.first_mut().unwrap();
+        let constraint = pile.near.as_mut().unwrap().stripes[0].constraints.first_mut().unwrap();
         // Both of its balls weigh as much as each other.
-        hold.impulse = balls * weight * 2.0 * hold.mass;
+        constraint.impulse = balls * weight * 2.0 * constraint.mass;
         pile.look_for_calm();
         pile.substeps.next
     }
@@ -416,10 +416,13 @@ mod tests {
         }
         let given = |lying: &mut Contact| {
             let stripe = &mut lying.near.as_mut().unwrap().stripes[0];
-            let hold = stripe.holds.iter().find(|hold| hold.impulse > 0.0).unwrap();
-            [hold.impulse, hold.grip.x, stripe.beside[0].push.y]
+            let constraint = stripe.constraints.iter().find(|constraint| constraint.impulse > 0.0).unwrap();
+            [constraint.impulse, constraint.grip.x, stripe.beside[0].push.y]
         };
-        lying.near.as_mut().unwrap().stripes[0].holds.iter_mut().for_each(|hold| hold.grip.x = 0.1);
+        lying.near.as_mut().unwrap().stripes[0]
+            .constraints
+            .iter_mut()
+            .for_each(|constraint| constraint.grip.x = 0.1);
         let short = given(&mut lying);
         for (count, ratio) in [(2, 2.0), (4, 1.0), (3, 4.0 / 3.0)] {
             lying.substeps.begin_beat_of(count);

@@ -12,8 +12,8 @@
 use glam::DVec2;
 
 use super::super::lesser::lesser;
+use super::constraints::{Constraint, Pair};
 use super::find::{FEW, Near};
-use super::holds::{Hold, Pair};
 use super::layout::Layer;
 use super::stripes::Stripe;
 use super::substeps::Softness;
@@ -73,7 +73,7 @@ impl Contact {
             if !std::mem::take(&mut stripe.unsettled) {
                 return;
             }
-            let pressed = stripe.press_inward(share.bodies, left, most);
+            let pressed = stripe.solve_inward(share.bodies, left, most);
             let held = hold_on_walls(setting, share.bodies, &mut stripe.beside) > most;
             stripe.unsettled = pressed || held;
         };
@@ -82,11 +82,11 @@ impl Contact {
                 return;
             }
             hold_on_walls(setting, share.bodies, &mut stripe.beside);
-            stripe.press_outward(share.bodies, left);
+            stripe.solve_outward(share.bodies, left);
         };
         let (inward, outward) =
             (Pass::over_near(Layer::INWARD, &inward), Pass::over_near(Layer::OUTWARD, &outward));
-        self.sweep(&[Pass::over_near(Layer::OUTWARD, &take_up), inward]);
+        self.sweep(&[Pass::over_near(Layer::OUTWARD, &prepare), inward]);
         let unsettled = |near: &Near| near.stripes.iter().any(|stripe| stripe.unsettled);
         for _ in 1..rounds {
             if !self.near.as_ref().is_some_and(unsettled) {
@@ -107,19 +107,19 @@ impl Contact {
     }
 }
 
-/// Takes up what holds a stripe's balls.
-fn take_up(setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>) {
+/// Begins with what held a stripe's balls in the last substep (warm starting).
+fn prepare(setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>) {
     if setting.kick == DVec2::ZERO {
         stripe.forget();
     }
     lay_on_walls(setting, share.fates, &mut stripe.beside);
     hold_on_walls(setting, share.bodies, &mut stripe.beside);
-    stripe.take_up_all(setting, share);
+    stripe.prepare_all(setting, share);
     stripe.unsettled = true;
 }
 
 impl Pass<'_> {
-    /// Stops what still sinks on what carries it. Not without gravity: nothing lies on anything.
+    /// Stops what still sinks on what carries it (shock propagation). Not without gravity: nothing lies on anything.
     pub(super) const CARRY: Self = Self {
         layers: Layer::AROUND,
         only_busy: true,
@@ -140,7 +140,7 @@ impl Pass<'_> {
         only_busy: true,
         work: &|setting, stripe, share| {
             if stripe.is_shaken(share.bodies.len()) {
-                stripe.press_outward(share.bodies, setting.softness.yielding);
+                stripe.solve_outward(share.bodies, setting.softness.yielding);
                 hold_on_walls(setting, share.bodies, &mut stripe.beside);
             }
         },
@@ -191,8 +191,8 @@ impl Stripe {
 
     /// What held balls when they met is of no use any more.
     fn forget(&mut self) {
-        for hold in &mut self.holds {
-            (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+        for constraint in &mut self.constraints {
+            (constraint.impulse, constraint.grip) = (0.0, DVec2::ZERO);
         }
         for beside in &mut self.beside {
             beside.push = DVec2::ZERO;
@@ -201,25 +201,27 @@ impl Stripe {
 
     /// Stops what still sinks, from the ground up.
     fn carry_all<const PASSES_ON: bool>(&mut self, setting: &Setting, bodies: &mut [Body]) {
-        let Self { holds, carrying, uppers, floors, .. } = self;
-        let (holds, carrying) = (&mut holds[..], &carrying[..]);
+        let Self { constraints, carrying, uppers, floors, .. } = self;
+        let (constraints, carrying) = (&mut constraints[..], &carrying[..]);
         let most = PASSED_ON * setting.kick.length();
         for ends in uppers.windows(2) {
             let its = &carrying[ends[0] as usize..ends[1] as usize];
             let Some(&first) = its.first() else { continue };
-            let upper = holds[first as usize].pair.first as usize;
+            let upper = constraints[first as usize].pair.first as usize;
             match *its {
                 // On one it lies as on two that are the same: that takes no branch, which a processor could not foresee.
                 [one] | [one, _] => {
-                    stop_on::<_, PASSES_ON>(upper, holds, bodies, most, [one, its[its.len() - 1]]);
+                    stop_on::<_, PASSES_ON>(upper, constraints, bodies, most, [one, its[its.len() - 1]]);
                 }
-                [one, two, three] => stop_on::<_, PASSES_ON>(upper, holds, bodies, most, [one, two, three]),
+                [one, two, three] => {
+                    stop_on::<_, PASSES_ON>(upper, constraints, bodies, most, [one, two, three])
+                }
                 _ => {
                     floors.clear();
-                    floors.extend(its.iter().map(|&at| (Floor::under(holds, bodies, at), 0.0)));
+                    floors.extend(its.iter().map(|&at| (Floor::under(constraints, bodies, at), 0.0)));
                     carry(&bodies[upper], floors);
                     let by = its.iter().zip(&*floors).map(|(&at, &(floor, added))| ((at, floor), added));
-                    stop::<PASSES_ON>(upper, holds, bodies, most, by);
+                    stop::<PASSES_ON>(upper, constraints, bodies, most, by);
                 }
             }
         }
@@ -227,23 +229,23 @@ impl Stripe {
 
     /// Takes the velocities away that moved balls out of overlaps, and brakes what slides.
     fn relax_all(&mut self, setting: &Setting, bodies: &mut [Body]) {
-        let Self { holds, touching, .. } = self;
-        each(holds, touching.iter(), bodies, |hold, first, second| {
-            hold.least = lesser(0.0, hold.least);
+        let Self { constraints, touching, .. } = self;
+        each(constraints, touching.iter(), bodies, |constraint, first, second| {
+            constraint.least = lesser(0.0, constraint.least);
             // Across what presses: neither changes the other.
-            let sliding = hold.normal.perp_dot(first.velocity - second.velocity);
-            press(hold, first, second, 1.0);
-            calm(hold, first, second, sliding, setting.firm);
+            let sliding = constraint.normal.perp_dot(first.velocity - second.velocity);
+            solve(constraint, first, second, 1.0);
+            calm(constraint, first, second, sliding, setting.firm);
         });
     }
 
     /// Holds all pairs apart that touch, one after the other with gravity. Whether that moves any ball faster than at
     /// `most` sums of both radii a second.
-    fn press_inward(&mut self, bodies: &mut [Body], left: f64, most: f64) -> bool {
-        let Self { holds, touching, .. } = self;
+    fn solve_inward(&mut self, bodies: &mut [Body], left: f64, most: f64) -> bool {
+        let Self { constraints, touching, .. } = self;
         let mut moves = false;
-        each(holds, touching.iter().rev(), bodies, |hold, first, second| {
-            let change = press(hold, first, second, left).abs();
+        each(constraints, touching.iter().rev(), bodies, |constraint, first, second| {
+            let change = solve(constraint, first, second, left).abs();
             let speed = change * (first.inverse_mass + second.inverse_mass);
             moves |= speed > most * (first.radius + second.radius);
         });
@@ -251,29 +253,29 @@ impl Stripe {
     }
 
     /// The same against gravity.
-    fn press_outward(&mut self, bodies: &mut [Body], left: f64) {
-        let Self { holds, touching, .. } = self;
-        each(holds, touching.iter(), bodies, |hold, first, second| {
-            press(hold, first, second, left);
+    fn solve_outward(&mut self, bodies: &mut [Body], left: f64) {
+        let Self { constraints, touching, .. } = self;
+        each(constraints, touching.iter(), bodies, |constraint, first, second| {
+            solve(constraint, first, second, left);
         });
     }
 }
 
-/// Works on the holds at these places.
+/// Works on the constraints at these places.
 #[inline]
 fn each<'a>(
-    holds: &mut [Hold],
+    constraints: &mut [Constraint],
     places: impl Iterator<Item = &'a u32>,
     bodies: &mut [Body],
-    mut work: impl FnMut(&mut Hold, &mut Body, &mut Body),
+    mut work: impl FnMut(&mut Constraint, &mut Body, &mut Body),
 ) {
     for &place in places {
-        let hold = &mut holds[place as usize];
-        let (first, second) = two(bodies, hold.pair);
+        let constraint = &mut constraints[place as usize];
+        let (first, second) = two(bodies, constraint.pair);
         // A copy is kept in registers: what is written in parts and read as a whole makes a processor wait.
-        let mut copy = *hold;
+        let mut copy = *constraint;
         work(&mut copy, first, second);
-        (hold.least, hold.impulse) = (copy.least, copy.impulse);
+        (constraint.least, constraint.impulse) = (copy.least, copy.impulse);
     }
 }
 
@@ -286,12 +288,12 @@ pub(super) struct Floor {
 }
 
 impl Floor {
-    /// The lower ball of the hold at this place.
+    /// The lower ball of the constraint at this place.
     #[inline]
-    fn under(holds: &[Hold], bodies: &[Body], at: u32) -> Self {
-        let hold = &holds[at as usize];
-        let (up, lower) = (hold.normal, &bodies[hold.pair.second as usize]);
-        Self { up, least: (lower.velocity.dot(up) + hold.least.min(0.0)).min(0.0) }
+    fn under(constraints: &[Constraint], bodies: &[Body], at: u32) -> Self {
+        let constraint = &constraints[at as usize];
+        let (up, lower) = (constraint.normal, &bodies[constraint.pair.second as usize]);
+        Self { up, least: (lower.velocity.dot(up) + constraint.least.min(0.0)).min(0.0) }
     }
 }
 
@@ -327,26 +329,26 @@ fn carry_on<const FLOORS: usize>(body: &Body, floors: [Floor; FLOORS]) -> [f64; 
     added
 }
 
-/// Stops a ball on the few that these holds are with.
+/// Stops a ball on the few that these constraints are with.
 #[inline]
 fn stop_on<const FLOORS: usize, const PASSES_ON: bool>(
     upper: usize,
-    holds: &mut [Hold],
+    constraints: &mut [Constraint],
     bodies: &mut [Body],
     most: f64,
     its: [u32; FLOORS],
 ) {
-    let floors = its.map(|at| Floor::under(holds, bodies, at));
+    let floors = its.map(|at| Floor::under(constraints, bodies, at));
     let added = carry_on(&bodies[upper], floors);
-    stop::<PASSES_ON>(upper, holds, bodies, most, its.into_iter().zip(floors).zip(added));
+    stop::<PASSES_ON>(upper, constraints, bodies, most, its.into_iter().zip(floors).zip(added));
 }
 
-/// Stops a ball by what the floor of each hold adds to its velocity. Where that is passed on, it holds the ball in the next
+/// Stops a ball by what the floor of each constraint adds to its velocity. Where that is passed on, it holds the ball in the next
 /// substep, too, and its opposite then acts on what carries it: up to `most`, px/s, between balls as heavy as each other.
 #[inline]
 fn stop<const PASSES_ON: bool>(
     upper: usize,
-    holds: &mut [Hold],
+    constraints: &mut [Constraint],
     bodies: &mut [Body],
     most: f64,
     by: impl IntoIterator<Item = ((u32, Floor), f64)>,
@@ -358,10 +360,10 @@ fn stop<const PASSES_ON: bool>(
     for ((at, Floor { up, .. }), added) in by {
         let mut kept = added;
         if PASSES_ON {
-            let hold = &mut holds[at as usize];
-            let impulse = lesser(added / body.inverse_mass, 2.0 * most * hold.mass);
-            let lower = &mut bodies[hold.pair.second as usize];
-            hold.impulse += impulse;
+            let constraint = &mut constraints[at as usize];
+            let impulse = lesser(added / body.inverse_mass, 2.0 * most * constraint.mass);
+            let lower = &mut bodies[constraint.pair.second as usize];
+            constraint.impulse += impulse;
             lower.free += up * (impulse * lower.inverse_mass);
             kept -= impulse * body.inverse_mass;
         }
@@ -374,9 +376,9 @@ fn stop<const PASSES_ON: bool>(
 /// Takes a part of the speed away with which two balls that press on each other slide along each other, where that is
 /// slow.
 #[inline]
-fn calm(hold: &Hold, first: &mut Body, second: &mut Body, sliding: f64, slow: f64) {
-    let braked = if hold.impulse > 0.0 && sliding.abs() < slow { sliding } else { 0.0 };
-    let change = hold.normal.perp() * (braked * DAMPED * hold.mass);
+fn calm(constraint: &Constraint, first: &mut Body, second: &mut Body, sliding: f64, slow: f64) {
+    let braked = if constraint.impulse > 0.0 && sliding.abs() < slow { sliding } else { 0.0 };
+    let change = constraint.normal.perp() * (braked * DAMPED * constraint.mass);
     for (body, change) in [(first, -change), (second, change)] {
         body.velocity += change * body.inverse_mass;
         body.free += change * body.inverse_mass;
@@ -386,14 +388,14 @@ fn calm(hold: &Hold, first: &mut Body, second: &mut Body, sliding: f64, slow: f6
 /// Brings a pair's impulse to where both part with the least velocity, or to 0. Of a soft one only a part is `left`, so
 /// that what they overlap by, in the end, follows what they carry. The impulse's change.
 #[inline]
-pub(super) fn press(hold: &mut Hold, first: &mut Body, second: &mut Body, left: f64) -> f64 {
+pub(super) fn solve(constraint: &mut Constraint, first: &mut Body, second: &mut Body, left: f64) -> f64 {
     // What needs no velocity is found first: pairs wait for each other's.
-    let wanted = left * (hold.impulse + hold.least * hold.mass);
-    let (one, other) = (hold.normal * first.inverse_mass, hold.normal * second.inverse_mass);
-    let parting = (first.velocity - second.velocity).dot(hold.normal);
-    let impulse = (wanted - parting * (left * hold.mass)).max(0.0);
-    let change = impulse - hold.impulse;
-    hold.impulse = impulse;
+    let wanted = left * (constraint.impulse + constraint.least * constraint.mass);
+    let (one, other) = (constraint.normal * first.inverse_mass, constraint.normal * second.inverse_mass);
+    let parting = (first.velocity - second.velocity).dot(constraint.normal);
+    let impulse = (wanted - parting * (left * constraint.mass)).max(0.0);
+    let change = impulse - constraint.impulse;
+    constraint.impulse = impulse;
     first.velocity += one * change;
     second.velocity -= other * change;
     change

@@ -8,14 +8,14 @@
 
 use glam::DVec2;
 
+use super::constraints::Constraint;
 use super::fates::{Fate, Shift};
 use super::find::Near;
-use super::holds::Hold;
 use super::layout::Layer;
+use super::prepare::let_go;
 use super::stripes::Stripes;
 use super::support::{give, two};
 use super::sweep::Pass;
-use super::take_up::let_go;
 use super::{Body, Contact, Setting};
 
 /// A ball is thrown by what changes its velocity in a substep by more than so many kicks of gravity.
@@ -96,13 +96,13 @@ impl Contact {
 }
 
 impl Near {
-    /// Lets go of these bodies, as `forget` does it with each hold, and then of those that what held them against these
+    /// Lets go of these bodies, as `forget` does it with each constraint, and then of those that what held them against these
     /// throws: by more than `most` says, px/s. Each goes on with the velocity that `anew` makes of what it was, and of that.
     pub(super) fn let_go_of_all(
         &mut self,
         mut thrown: Vec<usize>,
         bodies: &mut [Body],
-        forget: fn(&mut Hold, &mut Body, &mut Body),
+        forget: fn(&mut Constraint, &mut Body, &mut Body),
         most: impl Fn(usize) -> f64,
         anew: impl Fn(&Body, f64) -> DVec2,
     ) {
@@ -118,19 +118,19 @@ impl Near {
 }
 
 /// Forgets how two balls held each other. What that has given them is taken back.
-fn take_back(hold: &mut Hold, first: &mut Body, second: &mut Body) {
-    give(-(hold.normal * hold.impulse + hold.grip), first, second);
-    (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+fn take_back(constraint: &mut Constraint, first: &mut Body, second: &mut Body) {
+    give(-(constraint.normal * constraint.impulse + constraint.grip), first, second);
+    (constraint.impulse, constraint.grip) = (0.0, DVec2::ZERO);
 }
 
 impl Stripes<'_> {
-    /// Forgets what others and walls give a ball, and it them, as `forget` does it with each hold, and adds the `others` that
+    /// Forgets what others and walls give a ball, and it them, as `forget` does it with each constraint, and adds the `others` that
     /// were pressed. Its pairs must be linked.
     pub(super) fn let_go_of(
         &mut self,
         body: usize,
         bodies: &mut [Body],
-        forget: fn(&mut Hold, &mut Body, &mut Body),
+        forget: fn(&mut Constraint, &mut Body, &mut Body),
         others: &mut Vec<usize>,
     ) {
         for number in self.of_body(body) {
@@ -138,10 +138,10 @@ impl Stripes<'_> {
             let (stripe, own) = (&mut self.list[number], (body - start) as u32);
             let mut cursor = stripe.links.begin(own);
             while let Some(at) = stripe.links.next(&mut cursor) {
-                let Some(hold) = stripe.hold_mut(at) else { continue };
-                let (pair, lost) = (hold.pair, hold.impulse);
+                let Some(constraint) = stripe.constraint_mut(at) else { continue };
+                let (pair, lost) = (constraint.pair, constraint.impulse);
                 let (first, second) = two(&mut bodies[start..], pair);
-                forget(hold, first, second);
+                forget(constraint, first, second);
                 if lost > 0.0 {
                     let other = if pair.first == own { pair.second } else { pair.first };
                     others.push(start + other as usize);

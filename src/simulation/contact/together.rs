@@ -9,9 +9,9 @@ use glam::DVec2;
 
 use super::super::simultaneous::{self, exchange, lie_in_each_other};
 use super::SHIFT;
+use super::constraints::Marks;
 use super::events::{Event, Spot};
 use super::fates::Shift;
-use super::holds::Marks;
 use super::impacts::{Stage, pair};
 use super::meeting::{Meeting, strike};
 use super::stripes::Stripes;

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
+use super::constraints::Beside;
 use super::fates::Fate;
-use super::holds::Beside;
 use super::{Body, Setting};
 
 /// A wall's push that is less than this part of a velocity is rounding.

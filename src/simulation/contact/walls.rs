@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
+use super::constraints::Beside;
 use super::fates::Axes;
-use super::holds::Beside;
 use super::meeting::strike;
 use super::{Body, SHIFT, Setting, Tally};
 

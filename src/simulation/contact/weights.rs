@@ -6,8 +6,8 @@
 //! push it aside. Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights
 //! would do, which takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
+use super::constraints::Constraint;
 use super::find::Near;
-use super::holds::Hold;
 use super::sleep::Rest;
 use super::{Body, Contact, DVec2, Setting};
 
@@ -122,19 +122,19 @@ impl Near {
     fn hold_as_weighed(&mut self, bodies: &[Body], before: &[f64]) {
         for (number, stripe) in self.stripes.iter_mut().enumerate() {
             let start = self.layout.start(number);
-            for hold in &mut stripe.holds {
-                if hold.impulse == 0.0 {
+            for constraint in &mut stripe.constraints {
+                if constraint.impulse == 0.0 {
                     // It has been taken from both already.
-                    hold.grip = DVec2::ZERO;
+                    constraint.grip = DVec2::ZERO;
                 }
-                let own = [hold.pair.first, hold.pair.second];
+                let own = [constraint.pair.first, constraint.pair.second];
                 let balls = own.map(|ball| start + ball as usize);
                 let (old, new) =
                     (balls.map(|ball| before[ball]), balls.map(|ball| bodies[ball].inverse_mass));
                 if old != new {
-                    let carried = hold.impulse;
-                    hold.weigh(old, new);
-                    let lost = carried - hold.impulse;
+                    let carried = constraint.impulse;
+                    constraint.weigh(old, new);
+                    let lost = carried - constraint.impulse;
                     let sleepers = own.into_iter().zip(new).filter(|&(_, new)| lost > 0.0 && new == 0.0);
                     stripe.disturbed.extend(sleepers.map(|(own, _)| (own, lost)));
                 }
@@ -151,7 +151,7 @@ impl Near {
     }
 }
 
-impl Hold {
+impl Constraint {
     /// Takes it that its balls, which had the `old` inverse masses, have `new` ones.
     fn weigh(&mut self, old: [f64; 2], new: [f64; 2]) {
         // A heavier ball is held by the same impulse: it may be what carries the other. But what held a heavier one would
@@ -217,7 +217,7 @@ mod tests {
     use super::super::super::ball::Ball;
     use super::super::super::world::{Pairs, World};
     use super::super::Tuning;
-    use super::super::holds::Pair;
+    use super::super::constraints::Pair;
     use super::*;
 
     fn ball(x: f64, y: f64, (radius, mass): (f64, f64)) -> Ball {
@@ -315,19 +315,19 @@ mod tests {
 
     #[test]
     fn a_hold_of_a_heavier_ball_keeps_its_impulse_and_that_of_a_lighter_one_lets_go() {
-        let hold = Hold { impulse: 8.0, ..Hold::none(Pair { first: 0, second: 1 }, 0.5) };
-        let mut heavier = hold;
+        let constraint = Constraint { impulse: 8.0, ..Constraint::none(Pair { first: 0, second: 1 }, 0.5) };
+        let mut heavier = constraint;
         heavier.weigh([1.0, 0.25], [0.25, 0.25]);
         assert_eq!((heavier.impulse, heavier.mass), (8.0, 2.0));
-        let mut lighter = hold;
+        let mut lighter = constraint;
         lighter.weigh([1.0, 1.0], [3.0, 1.0]);
         assert_eq!((lighter.impulse, lighter.mass), (0.0, 0.25));
         // One becomes as heavy as the other was, and the other as light.
-        let mut swapped = hold;
+        let mut swapped = constraint;
         swapped.weigh([1.0, 0.01], [0.01, 1.0]);
         assert_eq!(swapped.impulse, 0.0);
         // On what nothing moves.
-        let mut on_sleeper = hold;
+        let mut on_sleeper = constraint;
         on_sleeper.weigh([0.25, 0.0], [1.0, 0.0]);
         assert_eq!((on_sleeper.impulse, on_sleeper.mass), (0.0, 1.0));
     }

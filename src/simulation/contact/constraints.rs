@@ -23,10 +23,10 @@ impl Pair {
     }
 }
 
-/// How two balls hold each other: one cache line.
+/// The contact constraint of two balls, which holds them apart: one cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(super) struct Hold {
+pub(super) struct Constraint {
     /// The accumulated impulse that holds them apart in a substep, mass·px/s along `normal`.
     pub(super) impulse: f64,
     /// From the second to the first, of length 1, where it was last needed.
@@ -41,8 +41,8 @@ pub(super) struct Hold {
     pub(super) pair: Pair,
 }
 
-impl Hold {
-    /// That of two balls which do not hold each other yet.
+impl Constraint {
+    /// That of two balls which press on nothing yet.
     pub(super) fn none(pair: Pair, mass: f64) -> Self {
         Self { impulse: 0.0, normal: DVec2::ZERO, grip: DVec2::ZERO, least: 0.0, mass, pair }
     }
@@ -57,7 +57,7 @@ impl Marks {
     pub(super) const NONE: Self = Self(0);
     /// The two pressed on each other, or met, in the last substep.
     pub(super) const HELD: Self = Self(1);
-    /// Its hold was looked after in the last substep, pressed or not, or the two have met since. The impulse of others
+    /// Its constraint was looked after in the last substep, pressed or not, or the two have met since. The impulse of others
     /// is 0.
     pub(super) const LIVE: Self = Self(2);
     /// They may come close enough in this substep to be held apart.

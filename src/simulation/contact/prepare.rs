@@ -10,11 +10,11 @@ use glam::DVec2;
 
 use super::super::impulse::COINCIDENT_NORMAL;
 use super::super::lesser::lesser;
+use super::constraints::{Constraint, Marks, Pair};
 use super::fates::{Fate, Shift};
-use super::holds::{Hold, Marks, Pair};
 use super::meeting::COINCIDENT;
 use super::stripes::Stripe;
-use super::support::{deal, give, press, two};
+use super::support::{deal, give, solve, two};
 use super::sweep::Share;
 use super::{Body, Setting};
 
@@ -27,14 +27,14 @@ const STEADY: f64 = 0.03;
 
 impl Stripe {
     /// Looks at all pairs anew, and holds those apart that are close.
-    pub(super) fn take_up_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
+    pub(super) fn prepare_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
         if !self.close_for.stands(&self.marks, Marks::CLOSE | Marks::LIVE | Marks::IDLE, 0) {
             self.gather_close();
             deal(&self.close, &mut self.dealt);
         }
         self.see_all(setting, share.bodies);
         self.hold_all(setting, share);
-        if !self.carrying_for.stands(&self.marks, Marks::LIVE | Marks::IDLE, self.holds.len()) {
+        if !self.carrying_for.stands(&self.marks, Marks::LIVE | Marks::IDLE, self.constraints.len()) {
             self.gather_carrying();
             deal(&self.carrying, &mut self.touching);
         }
@@ -53,15 +53,15 @@ impl Stripe {
         close.truncate(count);
     }
 
-    /// Gathers the holds of those that are held apart, and where those of each upper ball end.
+    /// Gathers the constraints of those that are held apart, and where those of each upper ball end.
     #[expect(clippy::needless_bitwise_bool, reason = "a branch there cannot be foreseen by a processor")]
     fn gather_carrying(&mut self) {
-        let Self { pairs, places_of_holds, marks, carrying, uppers, .. } = self;
+        let Self { pairs, places_of_constraints, marks, carrying, uppers, .. } = self;
         carrying.resize(marks.len(), 0);
         uppers.resize(marks.len() + 1, 0);
         let (places, ends) = (&mut carrying[..], &mut uppers[..]);
         let (mut count, mut balls, mut last) = (0, 0, u32::MAX);
-        for ((pair, marks), &place) in pairs.iter().zip(marks).zip(&*places_of_holds) {
+        for ((pair, marks), &place) in pairs.iter().zip(marks).zip(&*places_of_constraints) {
             let touches = marks.has(Marks::LIVE) & !marks.has(Marks::IDLE);
             places[count] = place;
             count += usize::from(touches);
@@ -98,26 +98,26 @@ impl Stripe {
         let distances = take(&mut self.distances);
         if setting.kick == DVec2::ZERO {
             for &at in &dealt {
-                self.hold_anew(at as usize, setting, share);
+                self.prepare_anew(at as usize, setting, share);
             }
         }
         // Most of a pile presses as it did, nothing has hit it, and all of it can be moved.
         let unlike = Marks::MET | Marks::STILL;
         for ((&at, &way), &distance) in dealt.iter().zip(&ways).zip(&distances) {
             let at = at as usize;
-            let (marks, place) = (&mut self.marks[at], self.places_of_holds[at]);
-            if let Some(hold) = self.holds.get_mut(place as usize)
-                && hold.impulse > 0.0
+            let (marks, place) = (&mut self.marks[at], self.places_of_constraints[at]);
+            if let Some(constraint) = self.constraints.get_mut(place as usize)
+                && constraint.impulse > 0.0
                 && distance >= COINCIDENT
                 && !marks.has(unlike)
-                && (calm || shift_of(share.fates, hold.pair) == Shift::None)
+                && (calm || shift_of(share.fates, constraint.pair) == Shift::None)
             {
-                let (first, second) = two(share.bodies, hold.pair);
-                follow(setting, hold, first, second, (way, distance));
+                let (first, second) = two(share.bodies, constraint.pair);
+                follow(setting, constraint, first, second, (way, distance));
                 marks.set(Marks::LIVE, true);
-                marks.set(Marks::HELD, hold.impulse > 0.0);
+                marks.set(Marks::HELD, constraint.impulse > 0.0);
             } else {
-                self.hold_anew(at, setting, share);
+                self.prepare_anew(at, setting, share);
             }
         }
         (self.dealt, self.ways, self.distances) = (dealt, ways, distances);
@@ -127,33 +127,33 @@ impl Stripe {
     ///
     /// Not inlined: few of a pile need it, and it would take the registers of the others.
     #[inline(never)]
-    fn hold_anew(&mut self, at: usize, setting: &Setting, share: &mut Share<'_>) {
-        let Self { pairs, holds, places_of_holds, marks, disturbed, .. } = self;
+    fn prepare_anew(&mut self, at: usize, setting: &Setting, share: &mut Share<'_>) {
+        let Self { pairs, constraints, places_of_constraints, marks, disturbed, .. } = self;
         let Share { bodies, fates, rests, .. } = share;
-        let (pair, marks, place) = (pairs[at], &mut marks[at], &mut places_of_holds[at]);
+        let (pair, marks, place) = (pairs[at], &mut marks[at], &mut places_of_constraints[at]);
         let (first, second) = two(bodies, pair);
         let met = marks.has(Marks::MET);
-        let known = holds.get(*place as usize).copied();
-        let mut hold =
-            known.unwrap_or_else(|| Hold::none(pair, (first.inverse_mass + second.inverse_mass).recip()));
-        let carried = hold.impulse;
-        let near = take_up(setting, &mut hold, (first, second), shift_of(fates, pair), met);
+        let known = constraints.get(*place as usize).copied();
+        let mut constraint = known
+            .unwrap_or_else(|| Constraint::none(pair, (first.inverse_mass + second.inverse_mass).recip()));
+        let carried = constraint.impulse;
+        let near = prepare(setting, &mut constraint, (first, second), shift_of(fates, pair), met);
         if known.is_some() {
-            holds[*place as usize] = hold;
+            constraints[*place as usize] = constraint;
         } else if near {
-            *place = holds.len() as u32;
-            holds.push(hold);
+            *place = constraints.len() as u32;
+            constraints.push(constraint);
         }
-        let holds = near && (met || hold.impulse > 0.0);
-        if marks.has(Marks::STILL) && (marks.has(Marks::HELD) || holds) {
+        let held = near && (met || constraint.impulse > 0.0);
+        if marks.has(Marks::STILL) && (marks.has(Marks::HELD) || held) {
             for body in [pair.first, pair.second] {
                 if bodies[body as usize].inverse_mass == 0.0 && rests[body as usize].asleep {
-                    disturbed.push((body, if holds { 0.0 } else { carried }));
+                    disturbed.push((body, if held { 0.0 } else { carried }));
                 }
             }
         }
         marks.set(Marks::LIVE, near);
-        marks.set(Marks::HELD, holds);
+        marks.set(Marks::HELD, held);
         marks.set(Marks::MET, false);
     }
 }
@@ -162,36 +162,36 @@ impl Stripe {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Followed {
     marks: Vec<Marks>,
-    holds: usize,
+    constraints: usize,
 }
 
 impl Followed {
     /// Notes that the list is empty, as are all pairs.
     pub(super) fn forget(&mut self) {
         self.marks.clear();
-        self.holds = 0;
+        self.constraints = 0;
     }
 
-    /// Whether the list stands still: pairs have the same of `these` marks, and there are so many holds, as before. Where
+    /// Whether the list stands still: pairs have the same of `these` marks, and there are so many constraints, as before. Where
     /// not, notes how it is now.
-    fn stands(&mut self, marks: &[Marks], these: Marks, holds: usize) -> bool {
+    fn stands(&mut self, marks: &[Marks], these: Marks, constraints: usize) -> bool {
         let changed = self.marks.iter().zip(marks).fold(Marks::NONE, |all, (&old, &new)| all | (old ^ new));
-        let same = self.holds == holds && self.marks.len() == marks.len() && !changed.has(these);
+        let same = self.constraints == constraints && self.marks.len() == marks.len() && !changed.has(these);
         if !same {
             self.marks.clear();
             self.marks.extend_from_slice(marks);
-            self.holds = holds;
+            self.constraints = constraints;
         }
         same
     }
 }
 
-/// Turns the hold of a pair that presses, and was hit by nothing, and holds it apart: what [`take_up`] comes to for it.
+/// Turns the constraint of a pair that presses, and was hit by nothing, and holds it apart: what [`prepare`] comes to for it.
 /// Where the first is, seen from the second, and how far away, is known; they are not at one place.
 #[inline]
 fn follow(
     setting: &Setting,
-    hold: &mut Hold,
+    constraint: &mut Constraint,
     first: &mut Body,
     second: &mut Body,
     (offset, distance): (DVec2, f64),
@@ -199,11 +199,11 @@ fn follow(
     let reach = first.radius + second.radius;
     // Without a branch: which pairs overlap cannot be foreseen by a processor.
     let out = reach - distance;
-    let mut turned = *hold;
+    let mut turned = *constraint;
     turned.least = setting.least_parting(lesser(setting.softness.mended * out, out), reach);
     give(turned.turn(offset / distance), first, second);
-    press(&mut turned, first, second, setting.softness.yielding);
-    *hold = turned;
+    solve(&mut turned, first, second, setting.softness.yielding);
+    *constraint = turned;
 }
 
 impl Setting {
@@ -223,25 +223,25 @@ fn shift_of(fates: &[Fate], pair: Pair) -> Shift {
 
 /// Looks at a pair anew: its direction and distance. Whether it is close enough to be held apart; then it is, once.
 /// Where one of them is shifted by an impact, its place says nothing of overlaps.
-fn take_up(
+fn prepare(
     setting: &Setting,
-    hold: &mut Hold,
+    constraint: &mut Constraint,
     (first, second): (&mut Body, &mut Body),
     shift: Shift,
     met: bool,
 ) -> bool {
     if shift == Shift::Far {
-        let_go(hold, first, second);
-        return hold_at_end(setting, hold, first, second);
+        let_go(constraint, first, second);
+        return hold_at_end(setting, constraint, first, second);
     }
     let offset = first.position - second.position;
     let squared = offset.length_squared();
     let reach = first.radius + second.radius;
     let end = offset + (first.velocity - second.velocity) * setting.substep;
     let near = (1.0 + 2.0 * APART) * reach * reach;
-    if hold.impulse == 0.0 && squared.min(end.length_squared()) > near {
+    if constraint.impulse == 0.0 && squared.min(end.length_squared()) > near {
         // They have parted: what is left of earlier directions would go on for ever.
-        give(-take(&mut hold.grip), first, second);
+        give(-take(&mut constraint.grip), first, second);
         return false;
     }
     let distance = squared.sqrt();
@@ -250,16 +250,16 @@ fn take_up(
     // One that was hit stands where it would have come from: what they part by themselves is no overlap.
     let elsewhere = shift == Shift::Some || met;
     let apart = gap > 0.0 || (elsewhere && end_apart);
-    if apart && end_apart && hold.impulse == 0.0 {
+    if apart && end_apart && constraint.impulse == 0.0 {
         // They pass each other as they go now, and circles curve away from the tangent where they are: one where they
         // will be brakes nothing, unless others turn them.
         let normal = end.normalize();
-        give(hold.turn(normal), first, second);
-        hold.least = (reach - offset.dot(normal)) / setting.substep;
+        give(constraint.turn(normal), first, second);
+        constraint.least = (reach - offset.dot(normal)) / setting.substep;
         return true;
     }
     let normal = direction(offset, distance);
-    give(hold.turn(normal), first, second);
+    give(constraint.turn(normal), first, second);
     let way = if apart {
         -gap.max(0.0)
     } else {
@@ -270,7 +270,7 @@ fn take_up(
         };
         if setting.kick == DVec2::ZERO {
             // Nothing presses them together again: they are moved, and need no velocity.
-            let moved = normal * (setting.softness.mended * deep * hold.mass);
+            let moved = normal * (setting.softness.mended * deep * constraint.mass);
             first.position += moved * first.inverse_mass;
             second.position -= moved * second.inverse_mass;
             0.0
@@ -278,24 +278,24 @@ fn take_up(
             setting.softness.mended * deep
         }
     };
-    hold.least = setting.least_parting(way, reach);
-    press(hold, first, second, setting.softness.yielding);
+    constraint.least = setting.least_parting(way, reach);
+    solve(constraint, first, second, setting.softness.yielding);
     true
 }
 
 /// Holds two balls apart of which one comes from far away, if they would lie in each other at the substep's end. That is
 /// where they are: where a fast ball that was hit stands now says nothing of it.
-fn hold_at_end(setting: &Setting, hold: &mut Hold, first: &mut Body, second: &mut Body) -> bool {
+fn hold_at_end(setting: &Setting, constraint: &mut Constraint, first: &mut Body, second: &mut Body) -> bool {
     let end = first.end(setting.substep) - second.end(setting.substep);
     let (distance, reach) = (end.length(), first.radius + second.radius);
     if distance >= reach {
         return false;
     }
     let normal = direction(end, distance);
-    give(hold.turn(normal), first, second);
+    give(constraint.turn(normal), first, second);
     let stands = (first.position - second.position).dot(normal);
-    hold.least = setting.least_parting(reach - stands, reach);
-    press(hold, first, second, setting.softness.yielding);
+    constraint.least = setting.least_parting(reach - stands, reach);
+    solve(constraint, first, second, setting.softness.yielding);
     true
 }
 
@@ -305,7 +305,7 @@ fn direction(offset: DVec2, length: f64) -> DVec2 {
     if length < COINCIDENT { COINCIDENT_NORMAL } else { offset / length }
 }
 
-impl Hold {
+impl Constraint {
     /// Turns it into another direction. By how much that changes what it gives the first ball, mass·px/s.
     ///
     /// What was given along the old one turns into the new one within some twenty substeps, as if the balls gripped each
@@ -326,11 +326,11 @@ impl Hold {
 }
 
 /// Forgets how two balls held each other. What that has given them stays, as if it had been an impact.
-pub(super) fn let_go(hold: &mut Hold, first: &mut Body, second: &mut Body) {
-    let given = hold.normal * hold.impulse + hold.grip;
+pub(super) fn let_go(constraint: &mut Constraint, first: &mut Body, second: &mut Body) {
+    let given = constraint.normal * constraint.impulse + constraint.grip;
     first.free += given * first.inverse_mass;
     second.free -= given * second.inverse_mass;
-    (hold.impulse, hold.grip) = (0.0, DVec2::ZERO);
+    (constraint.impulse, constraint.grip) = (0.0, DVec2::ZERO);
 }
 
 #[cfg(test)]
@@ -340,7 +340,8 @@ mod tests {
     #[test]
     fn a_list_stands_until_a_mark_that_it_follows_changes_or_a_hold_is_added() {
         let (followed, mut marks) = (&mut Followed::default(), vec![Marks::CLOSE; 40]);
-        let mut stands = |marks: &[Marks], holds| followed.stands(marks, Marks::CLOSE | Marks::LIVE, holds);
+        let mut stands =
+            |marks: &[Marks], constraints| followed.stands(marks, Marks::CLOSE | Marks::LIVE, constraints);
         assert!(!stands(&marks, 0) && stands(&marks, 0));
         marks[17].set(Marks::HELD, true);
         assert!(stands(&marks, 0));
