@@ -214,7 +214,7 @@ impl Stripe {
                     stop_on::<_, PASSES_ON>(upper, constraints, bodies, most, [one, its[its.len() - 1]]);
                 }
                 [one, two, three] => {
-                    stop_on::<_, PASSES_ON>(upper, constraints, bodies, most, [one, two, three])
+                    stop_on::<_, PASSES_ON>(upper, constraints, bodies, most, [one, two, three]);
                 }
                 _ => {
                     floors.clear();
