@@ -3,6 +3,7 @@
 use carom::simulation::invariants::max_wall_overlap;
 use carom::{Ball, DVec2, Scene, Simulation};
 
+use super::numbers::random;
 use super::{EARTH, FRAME, ball, both_ways, energy, moving, overlap, simulation, world};
 
 /// Lets this go on for two seconds, and asserts that no energy comes from nowhere, no two balls come far into each other, and
@@ -165,6 +166,55 @@ fn what_holds_balls_that_come_from_far_away_gives_them_no_energy() {
                 energy(&crowd)
             );
             before = energy(&crowd);
+        }
+    }
+}
+
+#[test]
+fn fast_balls_of_one_mass_keep_their_order_in_a_narrow_tube() {
+    // Wider than one ball and narrower than two: none can go past another.
+    let mut random = random(32);
+    for tube in 0..600 {
+        let (restitution, bounce) = ([0.0, 0.2, 0.7, 1.0][tube % 4], [0.0, 0.3, 0.8, 1.0][tube / 4 % 4]);
+        let width = 21.0 + 12.0 * random();
+        let (mut along, mut balls) = (0.0, Vec::new());
+        for _ in 0..2 + tube % 12 {
+            along += 10.0 + [0.01, 1.0, 10.0, 50.0][tube / 16 % 4] * random();
+            let place = DVec2::new(along, 10.0 + (width - 20.0) * random());
+            let velocity = DVec2::from_angle(std::f64::consts::TAU * random()) * 1e4 * random();
+            balls.push(of(moving(ball(place.x, place.y, 10.0), velocity.x, velocity.y), 1.0, restitution));
+            along += 10.0;
+        }
+        let mut simulation =
+            simulation(world(along + 40.0, width, bounce).with_gravity(EARTH).unwrap(), balls);
+        for frame in 0..30 {
+            simulation.advance(FRAME).unwrap();
+            let places: Vec<f64> = simulation.balls().iter().map(|ball| ball.position().x).collect();
+            assert!(places.is_sorted(), "tube {tube}, frame {frame}: {places:?}");
+        }
+    }
+}
+
+#[test]
+fn balls_are_shown_within_the_walls_between_substeps() {
+    for substeps in [None, Some(30), Some(240)] {
+        // Some come to the ceiling on the parabola and not on the straight way between substeps.
+        let mut random = random(5);
+        let mut thrown = |k: u32| {
+            let (below, over) = (50.0 + 50.0 * random(), 0.1 * random());
+            let place = ball(15.0 + 21.0 * f64::from(k), 10.0 + below, 10.0);
+            moving(place, 0.0, -(2.0 * EARTH.y * (below + over)).sqrt())
+        };
+        let world = world(900.0, 150.0, 0.0).with_gravity(EARTH).unwrap();
+        let simulation = simulation(world, (0..40).map(&mut thrown).collect());
+        let mut simulation = match substeps {
+            Some(count) => simulation.with_substeps(count).unwrap(),
+            None => simulation,
+        };
+        for _ in 0..2000 {
+            simulation.advance(1.0 / 997.0).unwrap();
+            let outside = max_wall_overlap(simulation.world(), simulation.balls());
+            assert!(outside < 1e-12, "{substeps:?}, {} s: {outside} of a radius", simulation.time());
         }
     }
 }

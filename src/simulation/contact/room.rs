@@ -12,7 +12,7 @@ use glam::DVec2;
 
 use super::super::within;
 use super::constraints::Pair;
-use super::fates::Limits;
+use super::fates::{Limits, is_fast};
 use super::find::Near;
 use super::layout::{Layer, Layout};
 use super::stripes::{Stripe, Stripes};
@@ -31,6 +31,8 @@ const TURNS: u32 = 4;
 /// Who has how much room.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Room {
+    /// Whether any may lack it in this substep.
+    is_needed: bool,
     /// Where each body began the substep.
     pub(super) starts: Vec<DVec2>,
     /// Those that may not go all their way, in the order of their numbers.
@@ -52,7 +54,8 @@ impl Contact {
     /// Notes where bodies that may meet begin a substep. They stand in the order that they have in it.
     pub(super) fn note_room(&mut self) {
         let Self { setting, bodies, room, team, pairs: true, .. } = self else { return };
-        if !setting.may_lack_room() {
+        room.is_needed = setting.may_lack_room() || bodies.iter().any(|body| is_fast(setting, body));
+        if !room.is_needed {
             return;
         }
         let layout = Layout::of(bodies.len());
@@ -85,10 +88,11 @@ impl Contact {
 
     /// Whether any body may go where nothing was looked for in its way.
     pub(super) fn any_unfollowed(&self) -> bool {
-        let Self { setting, bodies, restitutions, course, near: Some(near), pairs: true, .. } = self else {
+        let Self { setting, bodies, restitutions, course, room, near: Some(near), pairs: true, .. } = self
+        else {
             return false;
         };
-        if !setting.may_lack_room() {
+        if !room.is_needed {
             return false;
         }
         if course.ended || setting.kick != DVec2::ZERO {
@@ -106,7 +110,7 @@ impl Contact {
 }
 
 impl Setting {
-    /// Whether balls are to go no farther than there is room, wherever that is not known.
+    /// Whether balls are to go no farther than there is room, wherever that is not known. Elsewhere only fast ones are.
     fn may_lack_room(&self) -> bool {
         self.kick == DVec2::ZERO || self.has_fixed
     }

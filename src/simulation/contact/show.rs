@@ -104,7 +104,12 @@ impl Contact {
             return self.seen_on_legs(at, start, share).unwrap_or_else(line);
         }
         let (place, velocity) = line();
-        (if self.flies(at) { place + self.bend(share) } else { place }, velocity)
+        if !self.flies(at) {
+            return (place, velocity);
+        }
+        let (place, Setting { size, walls, .. }) = (place + self.bend(share), self.setting);
+        // What ends at a wall has gone there on the straight way.
+        (if walls.is_some() { within(place, self.bodies[at].radius, size) } else { place }, velocity)
     }
 
     /// How far from its straight way gravity has bent that of a ball that flies.

@@ -33,7 +33,7 @@ const RESTLESS: u32 = 4;
 /// A ball wakes where what acts on it differs from balance by more than this part of its weight ...
 const WEIGHT: f64 = 0.5;
 /// ... and this part of all that presses on it.
-const PRESS: f64 = 0.25;
+const PRESS: f64 = 0.35;
 /// What acts on a ball that wakes goes on acting unless it would throw it, or presses on it with more than so many kicks of
 /// gravity: what little of more turns aside would shoot it away.
 const SQUEEZED: f64 = 1e4;
