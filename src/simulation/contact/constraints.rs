@@ -42,7 +42,7 @@ pub(super) struct Constraint {
 }
 
 impl Constraint {
-    /// That of two balls which press on nothing yet.
+    /// That of two balls that do not press on each other yet.
     pub(super) fn none(pair: Pair, mass: f64) -> Self {
         Self { impulse: 0.0, normal: DVec2::ZERO, grip: DVec2::ZERO, least: 0.0, mass, pair }
     }
@@ -57,8 +57,8 @@ impl Marks {
     pub(super) const NONE: Self = Self(0);
     /// The two pressed on each other, or met, in the last substep.
     pub(super) const HELD: Self = Self(1);
-    /// Its constraint was looked after in the last substep, pressed or not, or the two have met since. The impulse of others
-    /// is 0.
+    /// Its constraint was looked after in the last substep, pressed or not, or the two have met since. The impulse of
+    /// others is 0.
     pub(super) const LIVE: Self = Self(2);
     /// They may come close enough in this substep to be held apart.
     pub(super) const CLOSE: Self = Self(4);

@@ -8,12 +8,12 @@
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `rewind`, `events`, `fates`, `impacts`,
 //!    `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
-//!    substep's impulses, and is stopped on what carries it from the ground up (`prepare`, `support`, `wall_support`; what counts
-//!    as heavier than it is, and is fast, is slowed down before);
+//!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`);
+//!    what counts as heavier than it is, and is fast, is slowed down before;
 //! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
-//!    those that would end in others go only as far as there is room (`room`, `barred`); unlike ones are kept from gaining energy
-//!    (`energy`), so are those that were put into each other, until they have parted (`parting`), and those that were thrown by
-//!    what holds them are let go of (`thrown`);
+//!    those that would end in others go only as far as there is room (`room`, `barred`); unlike ones are kept from gaining
+//!    energy (`energy`), so are those that were put into each other, until they have parted (`parting`), and those that were
+//!    thrown by what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
@@ -28,6 +28,7 @@
 mod advance;
 mod barred;
 mod body;
+mod carry;
 mod constraints;
 mod cover;
 mod energy;

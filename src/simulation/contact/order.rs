@@ -236,7 +236,7 @@ impl Kept {
         }
     }
 
-    /// What two balls held each other with. Holds must be linked.
+    /// What two balls held each other with. Constraints must be linked.
     #[inline]
     pub(super) fn of(&self, pair: Pair) -> Option<Constraint> {
         let mut at = *self.lasts.get(pair.first.min(pair.second) as usize)?;

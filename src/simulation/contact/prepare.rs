@@ -14,7 +14,7 @@ use super::constraints::{Constraint, Marks, Pair};
 use super::fates::{Fate, Shift};
 use super::meeting::COINCIDENT;
 use super::stripes::Stripe;
-use super::support::{deal, give, solve, two};
+use super::support::{give, solve, two};
 use super::sweep::Share;
 use super::{Body, Setting};
 
@@ -156,6 +156,18 @@ impl Stripe {
         marks.set(Marks::HELD, held);
         marks.set(Marks::MET, false);
     }
+}
+
+/// Pairs are looked at in hands of so many, in this order: each five places after the one before, around the hand.
+const HAND: [usize; 16] = [0, 5, 10, 15, 4, 9, 14, 3, 8, 13, 2, 7, 12, 1, 6, 11];
+
+/// Deals a list of pairs out: in an order in which those that follow each other seldom have a ball in common, as those of
+/// an upper ball do. A processor works on a few of them at a time then, where else each waits for the last.
+fn deal(pairs: &[u32], dealt: &mut Vec<u32>) {
+    let (hands, others) = pairs.as_chunks();
+    dealt.clear();
+    dealt.extend(hands.iter().flat_map(|hand: &[u32; HAND.len()]| HAND.map(|place| hand[place])));
+    dealt.extend_from_slice(others);
 }
 
 /// What a list of pairs was gathered for. A pile is much the same from one substep to the next: most lists stand.
@@ -336,6 +348,20 @@ pub(super) fn let_go(constraint: &mut Constraint, first: &mut Body, second: &mut
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_pair_is_dealt_once_and_in_a_hand_none_after_its_neighbour() {
+        let mut dealt = Vec::new();
+        for count in 0..100 {
+            deal(&(0..count).collect::<Vec<_>>(), &mut dealt);
+            assert!(
+                (0..count).all(|place| dealt.contains(&place)) && dealt.len() == count as usize,
+                "{count}"
+            );
+            let hands = &dealt[..dealt.len() - dealt.len() % HAND.len()];
+            assert!(hands.windows(2).all(|two| two[0].abs_diff(two[1]) > 1), "{count}: {dealt:?}");
+        }
+    }
 
     #[test]
     fn a_list_stands_until_a_mark_that_it_follows_changes_or_a_hold_is_added() {

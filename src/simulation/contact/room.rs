@@ -22,8 +22,8 @@ use super::{Body, Contact, Setting};
 
 /// A ball may end in another by this part of the smaller radius, or as deep as it began: that is mended.
 const DEEPEST: f64 = 0.02;
-/// Who may go through others is looked for where one constraint pushes a ball by more than this part of its radius in a substep: many
-/// together may push it by all of it, which is far enough (`is_pushed_far`).
+/// Who may go through others is looked for where one constraint pushes a ball by more than this part of its radius in a
+/// substep: many together may push it by all of it, which is far enough (`is_pushed_far`).
 const PUSHED: f64 = 0.125;
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
 const TURNS: u32 = 4;

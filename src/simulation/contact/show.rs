@@ -104,23 +104,21 @@ impl Contact {
             return self.seen_on_legs(at, start, share).unwrap_or_else(line);
         }
         let (place, velocity) = line();
-        if !self.flies(at) {
-            return (place, velocity);
-        }
-        let (place, Setting { size, walls, .. }) = (place + self.bend(share), self.setting);
-        // What ends at a wall has gone there on the straight way.
-        (if walls.is_some() { within(place, self.bodies[at].radius, size) } else { place }, velocity)
+        (if self.flies(at) { self.bent(at, place, share) } else { place }, velocity)
     }
 
-    /// How far from its straight way gravity has bent that of a ball that flies.
-    fn bend(&self, share: f64) -> DVec2 {
-        -0.5 * share * (1.0 - share) * self.setting.substep * self.setting.kick
+    /// Where a body is that flies, and would be in this `place` on its straight way: gravity has bent that. But what is foreseen
+    /// of it follows the straight way, which may come to a wall a little later: never beyond one.
+    fn bent(&self, at: usize, place: DVec2, share: f64) -> DVec2 {
+        let Setting { substep, kick, size, walls, .. } = self.setting;
+        let place = place - 0.5 * share * (1.0 - share) * substep * kick;
+        if walls.is_some() { within(place, self.bodies[at].radius, size) } else { place }
     }
 
     /// A body that was hit, by nothing but impacts, on its ways between these; [`None`] where something else has moved it,
     /// too, or they are not known.
     fn seen_on_legs(&self, at: usize, start: &Start, share: f64) -> Option<(DVec2, DVec2)> {
-        let Setting { substep, kick, size, walls, .. } = self.setting;
+        let Setting { substep, kick, .. } = self.setting;
         let body = &self.bodies[at];
         let (on, last) = self.course.legs.of_body(at)?;
         let end = last.place + last.velocity? * (substep - last.since);
@@ -131,10 +129,8 @@ impl Contact {
             None => (0.0, start.position, start.way),
             Some(leg) => (leg.since, leg.place, leg.velocity?),
         };
-        let place = place + way * (share * substep - since) + self.bend(share);
-        // What is foreseen of it follows the straight way, which may come to a wall a little later.
-        let place = if walls.is_some() { within(place, body.radius, size) } else { place };
-        Some((place, way + kick * (share - 0.5)))
+        let place = place + way * (share * substep - since);
+        Some((self.bent(at, place, share), way + kick * (share - 0.5)))
     }
 
     /// Shows the balls as they are at the clock's time, after this share of the last substep where `before` tells of its

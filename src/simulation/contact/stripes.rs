@@ -4,6 +4,7 @@
 use std::collections::BinaryHeap;
 
 use super::super::Tally;
+use super::carry::Floor;
 use super::constraints::{Beside, Constraint, Given, Marks, Pair};
 use super::events::Event;
 use super::layout::{Layer, Layout};
@@ -12,7 +13,6 @@ use super::order::{Heights, Kept, Known, Links};
 use super::prepare::Followed;
 use super::rewind::Taken;
 use super::substeps::CARRIED;
-use super::support::Floor;
 use super::{Body, DVec2, PRESSED, Setting};
 
 /// The place of a ball that is not beside a wall, and of the constraint of a pair that has none.

@@ -41,9 +41,10 @@ const MANY_ASLEEP: usize = 8;
 /// ... and where more than one in so many pairs that press ...
 const HEAVY: usize = 1000;
 /// ... carries more than the weight of so many balls as heavy as its own: the longest suit less than the first number, a pile
-/// of some three thousand, all but the shortest less than the second, and less than the third, a hundred thousand, where few
-/// were hit in so many beats in a row: a pile that still falls would be squeezed.
+/// of some three thousand, all but the shortest less than the second ...
 pub(super) const CARRIED: [f64; 3] = [100.0, 200.0, 350.0];
+/// ... or than the third, a pile of a hundred thousand, after so many beats in a row in which few were hit: one that still
+/// falls would be squeezed.
 const AT_REST: u32 = 60;
 
 /// Overlaps are taken away at this many sums of both radii a second at most, and faster where gravity asks for shorter

@@ -124,8 +124,8 @@ fn take_back(constraint: &mut Constraint, first: &mut Body, second: &mut Body) {
 }
 
 impl Stripes<'_> {
-    /// Forgets what others and walls give a ball, and it them, as `forget` does it with each constraint, and adds the `others` that
-    /// were pressed. Its pairs must be linked.
+    /// Forgets what others and walls give a ball, and it them, as `forget` does it with each constraint, and adds the
+    /// `others` that were pressed. Its pairs must be linked.
     pub(super) fn let_go_of(
         &mut self,
         body: usize,

@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hold_of_a_heavier_ball_keeps_its_impulse_and_that_of_a_lighter_one_lets_go() {
+    fn a_constraint_of_a_heavier_ball_keeps_its_impulse_and_that_of_a_lighter_one_lets_go() {
         let constraint = Constraint { impulse: 8.0, ..Constraint::none(Pair { first: 0, second: 1 }, 0.5) };
         let mut heavier = constraint;
         heavier.weigh([1.0, 0.25], [0.25, 0.25]);
