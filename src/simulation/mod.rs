@@ -6,6 +6,7 @@
 
 mod ball;
 mod canvas;
+mod cholesky;
 mod clock;
 mod contact;
 mod elastic;
