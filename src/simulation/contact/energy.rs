@@ -1,53 +1,97 @@
-//! What holds unlike balls gives them no energy.
+//! What holds balls gives them no energy.
 //!
 //! A ball may count as heavier than it is where it is held (`weights`), what is let go of keeps what it was given, and what
-//! pressed in the last substep may press on nothing in this one: each of these may be energy from nowhere. So may, without
-//! gravity, what holds a ball that comes from far away. So balls that become faster by what holds them take together no more than
-//! it takes from others. Impacts see to their own energy.
+//! pressed in the last substep may press on nothing in this one: each of these may be energy from nowhere. So may what takes
+//! balls out of each other that were put there (`parting`); and, without gravity, what holds a ball that comes from far away: it
+//! is held by where it will be, which may ask for more speed than is taken away again. So where there are such balls, those
+//! that become faster by what holds them take together no more than it takes from others. Where nothing carries any, they keep
+//! their momentum: those that hold each other move against each other with no more energy than they would. Impacts see to
+//! their own energy.
 
 use glam::DVec2;
 
-use super::Contact;
 use super::fates::Shift;
+use super::islands::Islands;
+use super::sleep::Rest;
+use super::{Body, Contact};
 
 impl Contact {
-    /// Notes the energy of unlike balls after their impacts, without what holds them; and without gravity that of all, where any
-    /// comes from far away: it is held by where it will be, which may ask for more speed than is taken away again.
-    pub(super) fn note_energy(&mut self) {
-        let Self { setting, bodies, near: Some(near), course, .. } = self else { return };
+    /// Notes how balls would move without what holds them, after their impacts, where that may give them energy.
+    pub(super) fn note_unheld(&mut self) {
+        let Self { setting, bodies, near: Some(near), course, parting, unheld, .. } = self else { return };
         let far = || course.fates.iter().any(|fate| fate.shift == Shift::Far);
-        near.weights.unheld.clear();
-        if near.weights.differ || (setting.kick == DVec2::ZERO && far()) {
-            near.weights.unheld.extend(bodies.iter().map(|body| energy(body.free, setting.kick)));
+        unheld.clear();
+        if near.weights.differ || parting.goes_on() || (setting.kick == DVec2::ZERO && far()) {
+            unheld.extend(bodies.iter().map(|body| body.free));
         }
     }
 
-    /// Slows those of them that have gained energy by what holds them, where they have gained more than others have lost.
+    /// Slows those that have gained energy by what holds them, where they have gained more than others have lost.
     pub(super) fn keep_energy(&mut self) {
-        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
-        let kick = setting.kick;
-        // With what they weigh, whatever they count with.
-        let balls =
-            || bodies.iter().zip(&*rests).zip(&near.weights.unheld).filter(|((_, rest), _)| rest.own > 0.0);
-        let (mut gained, mut lost) = (0.0, 0.0);
-        for ((body, rest), &unheld) in balls() {
-            let change = (energy(body.velocity, kick) - unheld) / rest.own;
-            *(if change > 0.0 { &mut gained } else { &mut lost }) += change.abs();
-        }
-        if gained <= lost {
+        let Self { setting, bodies, rests, near: Some(near), unheld, .. } = self else { return };
+        if unheld.is_empty() {
             return;
         }
-        for (body, &unheld) in bodies.iter_mut().zip(&near.weights.unheld) {
-            let change = energy(body.velocity, kick) - unheld;
-            if change > 0.0 {
-                let kept = unheld + change * (lost / gained);
-                let slower = body.velocity * (speed_of(kept, body.velocity, kick) - 1.0);
-                // As if an impact had: what holds it goes on.
-                body.velocity += slower;
-                body.free += slower;
+        if setting.is_grounded() {
+            keep_of_all(bodies, rests, unheld, setting.kick);
+        } else {
+            let pairs = near.holding().map(|(first, second, _)| (first, second));
+            for island in Islands::new(bodies.len(), pairs).into_lists() {
+                keep_of_island(bodies, rests, unheld, &island);
             }
         }
     }
+}
+
+/// Slows those of all balls that have gained energy.
+fn keep_of_all(bodies: &mut [Body], rests: &[Rest], unheld: &[DVec2], kick: DVec2) {
+    let change = |body: &Body, &unheld: &DVec2| energy(body.velocity, kick) - energy(unheld, kick);
+    let (mut gained, mut lost) = (0.0, 0.0);
+    for ((body, rest), unheld) in bodies.iter().zip(rests).zip(unheld).filter(|((_, rest), _)| rest.own > 0.0)
+    {
+        // With what they weigh, whatever they count with.
+        let change = change(body, unheld) / rest.own;
+        *(if change > 0.0 { &mut gained } else { &mut lost }) += change.abs();
+    }
+    if gained <= lost {
+        return;
+    }
+    for (body, unheld) in bodies.iter_mut().zip(unheld) {
+        let change = change(body, unheld);
+        if change > 0.0 {
+            let kept = energy(*unheld, kick) + change * (lost / gained);
+            slow(body, body.velocity * (speed_of(kept, body.velocity, kick) - 1.0));
+        }
+    }
+}
+
+/// Slows balls that hold each other against what they all have in common.
+fn keep_of_island(bodies: &mut [Body], rests: &[Rest], unheld: &[DVec2], island: &[usize]) {
+    let (_, before) = motion(island, rests, |at| unheld[at]);
+    let (common, energy) = motion(island, rests, |at| bodies[at].velocity);
+    if energy > before {
+        let kept = (before / energy).sqrt();
+        for &at in island {
+            let body = &mut bodies[at];
+            slow(body, (body.velocity - common) * (kept - 1.0));
+        }
+    }
+}
+
+/// The velocity that balls have in common, and twice the energy of their motion against that.
+fn motion(balls: &[usize], rests: &[Rest], velocity: impl Fn(usize) -> DVec2) -> (DVec2, f64) {
+    let weighed = || balls.iter().map(|&at| (rests[at].own.recip(), velocity(at)));
+    let (mass, momentum) = weighed().fold((0.0, DVec2::ZERO), |(mass, momentum), (own, velocity)| {
+        (mass + own, momentum + velocity * own)
+    });
+    let common = momentum / mass;
+    (common, weighed().map(|(own, velocity)| own * velocity.distance_squared(common)).sum())
+}
+
+/// Changes a ball's velocity as if an impact had: what holds it goes on.
+fn slow(body: &mut Body, change: DVec2) {
+    body.velocity += change;
+    body.free += change;
 }
 
 /// Twice the energy, for its mass, that a ball has with this velocity, which gravity's kick has changed already: its height has
@@ -94,7 +138,7 @@ mod tests {
         let (heavy, light) = (at(&contact, 0), at(&contact, 1));
         contact.bodies[light].free = DVec2::new(30.0, 40.0);
         contact.bodies[heavy].free = DVec2::ZERO;
-        contact.note_energy();
+        contact.note_unheld();
         contact.bodies[light].velocity = DVec2::new(0.0, -30.0);
         contact.bodies[heavy].velocity = DVec2::new(100.0, 0.0);
         contact.bodies[heavy].free = DVec2::new(60.0, 0.0);
@@ -114,7 +158,7 @@ mod tests {
         for body in &mut contact.bodies {
             body.free = body.velocity + contact.setting.kick;
         }
-        contact.note_energy();
+        contact.note_unheld();
         contact.bodies[heavy].velocity = DVec2::ZERO;
         contact.bodies[light].velocity = DVec2::new(100.0, 0.0);
         contact.keep_energy();
@@ -126,7 +170,7 @@ mod tests {
         let mut contact = unlike();
         let (heavy, light) = (at(&contact, 0), at(&contact, 1));
         contact.bodies[heavy].free = DVec2::new(3.0, 0.0);
-        contact.note_energy();
+        contact.note_unheld();
         contact.bodies[heavy].velocity = DVec2::ZERO;
         contact.bodies[light].velocity = DVec2::new(0.0, 299.0);
         contact.keep_energy();

@@ -12,8 +12,8 @@
 //!    what counts as heavier than it is, and is fast, is slowed down before;
 //! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
 //!    those that would end in others go only as far as there is room (`room`, `barred`); unlike ones are kept from gaining
-//!    energy (`energy`), so are those that were put into each other, until they have parted (`parting`), and those that were
-//!    thrown by what holds them are let go of (`thrown`);
+//!    energy, and so are those that were put into each other, until they have parted (`energy`, `islands`, `parting`), and
+//!    those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
@@ -36,6 +36,7 @@ mod events;
 mod fates;
 mod find;
 mod impacts;
+mod islands;
 mod layout;
 mod legs;
 mod loads;
@@ -150,6 +151,8 @@ pub(super) struct Contact {
     course: Course,
     room: Room,
     parting: Parting,
+    /// How each body would move without what holds it; of none where that gives no energy.
+    unheld: Vec<DVec2>,
     /// Where contacts are only shown.
     shown: Option<Grid>,
     /// What happened to each body since the last frame.
@@ -190,6 +193,7 @@ impl Contact {
             course: Course::default(),
             room: Room::default(),
             parting: Parting::new(),
+            unheld: Vec::new(),
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
             hit: vec![false; balls.len()],
             steps: 0,
@@ -221,8 +225,7 @@ impl Contact {
         self.impacts(tally);
         if self.setting.can_rest {
             self.slow_counted();
-            self.note_energy();
-            self.note_heaps();
+            self.note_unheld();
             self.support();
             // Without what has nothing to do: threads would wait for each other to find that out.
             let presses = self.setting.kick != DVec2::ZERO;
@@ -252,7 +255,7 @@ impl Contact {
                 self.sweep(&passes);
             }
             self.keep_energy();
-            self.slow_parting();
+            self.let_go_of_deep();
             self.let_go_of_thrown();
             self.wake_unbalanced();
         } else {
@@ -331,7 +334,7 @@ impl Contact {
             self.take_back_thrown();
         }
         if searched && presses {
-            self.find_heaps();
+            self.find_parting();
         }
     }
 

@@ -28,8 +28,6 @@ pub(super) struct Weights {
     /// What they counted with before, and what they count with.
     before: Vec<f64>,
     counted: Vec<f64>,
-    /// The energy that each has without what holds it (`energy`); of none where they do not differ.
-    pub(super) unheld: Vec<f64>,
     /// Pairs in which the first may make the second heavier.
     loads: Vec<(u32, u32)>,
 }
