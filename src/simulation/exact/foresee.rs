@@ -1,21 +1,12 @@
-//! What comes next for a ball: the earliest of its impacts on walls and other balls, and of the borders that it
-//! crosses.
+//! What comes next for a ball: the earliest of its impacts on walls and other balls (these in `meetings`), and of the
+//! borders that it crosses.
 
-use std::hint::black_box;
-
-use glam::DVec2;
-
-use crate::simulation::flight::{self, NEVER, Pair};
+use crate::simulation::flight::{self, NEVER};
 use crate::simulation::lesser::lesser;
 
-use super::calendar::{Entry, READ_AHEAD};
-use super::cells::{Border, END, MOST_HEADS};
-use super::flights::{Against, Marks};
-use super::together::AT_HAND;
+use super::cells::Border;
+use super::flights::Against;
 use super::{Exact, Needs};
-
-/// So many balls near a ball count as one event more for the caller's watch: each of them costs a root.
-const NEAR_PER_EVENT: u32 = 16;
 
 /// What a ball's own flight leads to, whatever the others do.
 #[derive(Debug, Clone, Copy)]
@@ -50,29 +41,6 @@ impl Ahead {
         if time < self.impact {
             (self.impact, self.wall) = (time, Against::wall(axis, up));
         }
-    }
-}
-
-/// Balls near those of the next events: for each of these at most one in each cell.
-struct Slots {
-    slots: [u32; MOST_HEADS * READ_AHEAD],
-    count: usize,
-}
-
-impl Slots {
-    fn new() -> Self {
-        Self { slots: [END; MOST_HEADS * READ_AHEAD], count: 0 }
-    }
-
-    /// Adds one, unless it is [`END`]: which of the two no branch could foretell.
-    #[inline]
-    fn push(&mut self, slot: u32) {
-        self.slots[self.count] = slot;
-        self.count += usize::from(slot != END);
-    }
-
-    fn iter(&self) -> impl Iterator<Item = usize> {
-        self.slots[..self.count].iter().map(|&slot| slot as usize)
     }
 }
 
@@ -148,61 +116,6 @@ impl Exact {
         }
         self.meet_others::<N>(slot, now, crossed);
         self.write_next::<N>(slot, &ahead);
-    }
-
-    /// Reads nearly all that the next events will look at: their balls, then the cells near these, then who is in them.
-    /// Each event alone would wait for memory at every step; asked for one step of all events at once, memory answers
-    /// many times as fast.
-    #[inline(never)]
-    pub(super) fn read_ahead(&mut self) {
-        let Self { cells, calendar, flights, marks, .. } = self;
-        let events = calendar.read();
-        let Some(cells) = cells else { return };
-        // What is read is good for nothing else, but the compiler must not know.
-        let mut read = 0;
-        for &Entry { ball, .. } in events {
-            let slot = ball as usize;
-            read ^=
-                flights[slot].event.to_bits() ^ marks[slot].rests() as u64 ^ u64::from(cells.behind(slot));
-        }
-        // Balls at the head of their cells, and those behind them; hardly any is third.
-        let mut near = Slots::new();
-        for &Entry { time, ball } in events {
-            let slot = ball as usize;
-            let flight = &flights[slot];
-            // What no longer holds crosses nothing: it may be bound for a wall.
-            let crosses = (flight.event == time && flight.impact != time).then(|| marks[slot].border());
-            cells.heads_near(slot, flight.place, crosses, |head| near.push(head));
-        }
-        let mut second = Slots::new();
-        for slot in near.iter() {
-            read ^= flights[slot].event.to_bits();
-            second.push(cells.behind(slot));
-        }
-        for slot in second.iter() {
-            read ^= flights[slot].event.to_bits() ^ u64::from(cells.behind(slot));
-        }
-        black_box(read);
-    }
-
-    /// Whether two balls that fly through each other overlap now.
-    fn overlap(&self, slot: usize, other: usize) -> bool {
-        self.overlaps.as_ref().is_some_and(|overlaps| overlaps[slot].binary_search(&(other as u32)).is_ok())
-    }
-
-    /// One ball begins to overlap another, or ceases to. Both fly on.
-    pub(super) fn pass<N: Needs>(&mut self, one: usize, other: usize, now: f64) {
-        let Some(overlaps) = &mut self.overlaps else { return };
-        for (slot, other) in [(one, other as u32), (other, one as u32)] {
-            // The lists are sorted.
-            match overlaps[slot].binary_search(&other) {
-                Ok(index) => drop(overlaps[slot].remove(index)),
-                Err(index) => overlaps[slot].insert(index, other),
-            }
-            self.marks[slot].set(Marks::HIT, true);
-        }
-        self.foresee::<N>(one, now);
-        self.foresee::<N>(other, now);
     }
 
     /// Writes what comes first for a ball into the calendar.
@@ -323,151 +236,5 @@ impl Exact {
         let pull = self.pull::<N>(slot)[axis];
         let sign = if up { 1.0 } else { -1.0 };
         flight::reach(sign * distance, sign * speed, sign * pull)
-    }
-
-    /// Two balls as the first sees the other now.
-    #[inline]
-    fn pair<N: Needs>(&self, slot: usize, other: usize, now: f64) -> Pair {
-        self.pair_seen_from::<N>(slot, self.state::<N>(slot, now), other, now)
-    }
-
-    /// The same where the first one's position and velocity are known.
-    #[inline]
-    fn pair_seen_from<N: Needs>(
-        &self,
-        slot: usize,
-        (position, velocity): (DVec2, DVec2),
-        other: usize,
-        now: f64,
-    ) -> Pair {
-        let (their_position, their_velocity) = self.state::<N>(other, now);
-        let (slow, dull) = if self.wedged() { (0.0, self.rest_speed) } else { (self.rest_speed, 0.0) };
-        Pair {
-            offset: their_position - position,
-            velocity: their_velocity - velocity,
-            reach: self.matter::<N>(slot).radius + self.matter::<N>(other).radius,
-            own: velocity,
-            slow,
-            dull,
-        }
-    }
-
-    /// When two balls meet that touch, or nearly do. They are looked at anew: that keeps all others in registers.
-    #[cold]
-    fn meet_at_hand<N: Needs>(&self, slot: usize, other: usize, now: f64) -> f64 {
-        self.pair::<N>(slot, other, now).meet()
-    }
-
-    /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
-    /// other's earliest. Where it crosses a border now, only those that have come near by that are looked at.
-    #[inline]
-    fn meet_others<N: Needs>(&mut self, slot: usize, now: f64, crossed: Option<Border>) {
-        let Some(cells) = &self.cells else { return };
-        let flight = &self.flights[slot];
-        let own = self.state::<N>(slot, now);
-        let pair = |other: usize| self.pair_seen_from::<N>(slot, own, other, now);
-        let inside = |other: usize| N::DETECT && self.overlap(slot, other);
-        let mut first = First { time: flight.impact, partner: END, touches: false };
-        let mut accelerated = Postponed::default();
-        let meet_accelerated = |other: usize, first: &mut First| {
-            let pair = pair(other);
-            if pair.are_within(AT_HAND) {
-                first.touches = true;
-            }
-            let pull = self.pull::<N>(other) - self.pull::<N>(slot);
-            // A meeting after the next impact of either of them does not count.
-            let limit = first.time.min(self.flights[other].impact);
-            let time = if inside(other) {
-                pair.part_accelerated(pull, limit - now)
-            } else {
-                pair.meet_accelerated(pull, limit - now)
-            };
-            first.or(now + time, other, self.flights[other].impact);
-        };
-        let mut near = 0;
-        cells.for_each_near::<N>(slot, flight.place, crossed, |other| {
-            near += 1;
-            let held = |slot: usize| self.marks[slot].rests() == 3;
-            if N::HOLDS && held(slot) && held(other) {
-                // Neither moves: they never meet.
-            } else if N::HOLDS && self.marks[slot].rests() != self.marks[other].rests() {
-                // These cost most, and least where there is little time left: they come last.
-                if !accelerated.push(other) {
-                    meet_accelerated(other, &mut first);
-                }
-            } else {
-                let pair = pair(other);
-                let time = if inside(other) {
-                    pair.part()
-                } else if pair.are_within(AT_HAND) {
-                    first.touches = true;
-                    self.meet_at_hand::<N>(slot, other, now)
-                } else {
-                    pair.meet_from_afar()
-                };
-                first.or(now + time, other, self.flights[other].impact);
-            }
-        });
-        for &other in accelerated.all() {
-            meet_accelerated(other, &mut first);
-        }
-        self.beside |= first.touches;
-        if N::HOLDS {
-            self.unwatched += near / NEAR_PER_EVENT;
-        }
-        if first.partner != END {
-            let First { time, partner, .. } = first;
-            let partner = partner as usize;
-            (self.flights[slot].impact, self.flights[slot].against) = (time, Against::ball(partner));
-            let other = &mut self.flights[partner];
-            (other.impact, other.against) = (time, Against::ball(slot));
-            if time < other.event {
-                other.event = time;
-                self.calendar.write(time, partner as u32);
-            }
-        }
-    }
-}
-
-/// The earliest meeting found, if it is earlier than what else will happen to a ball.
-struct First {
-    time: f64,
-    /// [`END`] while none has been found.
-    partner: u32,
-    /// Whether any of those that were looked at touches the ball.
-    touches: bool,
-}
-
-impl First {
-    /// Takes a meeting instead where it is earlier, and earlier than the partner's next impact: again a toss, for which
-    /// there is no branch, since each choice between two numbers hangs on one comparison.
-    #[inline]
-    fn or(&mut self, time: f64, partner: usize, impact: f64) {
-        let time = if time < impact { time } else { NEVER };
-        self.partner = if time < self.time { partner as u32 } else { self.partner };
-        self.time = if time < self.time { time } else { self.time };
-    }
-}
-
-/// A few slots that are looked at last.
-#[derive(Debug, Clone, Default)]
-struct Postponed {
-    slots: [usize; 16],
-    count: usize,
-}
-
-impl Postponed {
-    /// Keeps a slot, if there is room.
-    fn push(&mut self, slot: usize) -> bool {
-        let room = self.count < self.slots.len();
-        if room {
-            self.slots[self.count] = slot;
-            self.count += 1;
-        }
-        room
-    }
-
-    fn all(&self) -> &[usize] {
-        &self.slots[..self.count]
     }
 }

@@ -240,6 +240,21 @@ impl Exact {
         }
     }
 
+    /// One ball begins to overlap another, or ceases to. Both fly on.
+    pub(super) fn pass<N: Needs>(&mut self, one: usize, other: usize, now: f64) {
+        let Some(overlaps) = &mut self.overlaps else { return };
+        for (slot, other) in [(one, other as u32), (other, one as u32)] {
+            // The lists are sorted.
+            match overlaps[slot].binary_search(&other) {
+                Ok(index) => drop(overlaps[slot].remove(index)),
+                Err(index) => overlaps[slot].insert(index, other),
+            }
+            self.marks[slot].set(Marks::HIT, true);
+        }
+        self.foresee::<N>(one, now);
+        self.foresee::<N>(other, now);
+    }
+
     /// Whether this impact of a ball is chatter.
     #[inline]
     fn chatters<N: Needs>(&self, slot: usize, matter: &Matter, meeting: &Meeting, now: f64) -> bool {

@@ -7,12 +7,13 @@
 //!
 //! - `begin`: what is made of the balls at the beginning;
 //! - `flights`: what is known of a ball;
-//! - `foresee`: which event comes next for a ball, and the crossing of borders between cells;
+//! - `foresee`, `meetings`: which event comes next for a ball, on its own way or with others;
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
 //! - `settle`, `group`: how they come to rest on each other;
 //! - `pace`: whether there are more impacts than can be followed;
-//! - `cells`, `calendar`: where balls are, and the queue.
+//! - `cells`, `calendar`: where balls are, and the queue;
+//! - `read_ahead`: how memory is kept from being waited for, where balls are many.
 
 mod begin;
 mod calendar;
@@ -21,7 +22,9 @@ mod flights;
 mod foresee;
 mod group;
 mod impacts;
+mod meetings;
 mod pace;
+mod read_ahead;
 mod settle;
 mod together;
 

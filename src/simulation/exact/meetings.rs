@@ -1,0 +1,166 @@
+//! When a ball meets others: the earliest of its meetings with those near it, and whose earliest that is too.
+
+use glam::DVec2;
+
+use crate::simulation::flight::{NEVER, Pair};
+
+use super::cells::{Border, END};
+use super::flights::Against;
+use super::together::AT_HAND;
+use super::{Exact, Needs};
+
+/// So many balls near a ball count as one event more for the caller's watch: each of them costs a root.
+const NEAR_PER_EVENT: u32 = 16;
+
+impl Exact {
+    /// Two balls as the first sees the other now.
+    #[inline]
+    pub(super) fn pair<N: Needs>(&self, slot: usize, other: usize, now: f64) -> Pair {
+        self.pair_seen_from::<N>(slot, self.state::<N>(slot, now), other, now)
+    }
+
+    /// The same where the first one's position and velocity are known.
+    #[inline]
+    fn pair_seen_from<N: Needs>(
+        &self,
+        slot: usize,
+        (position, velocity): (DVec2, DVec2),
+        other: usize,
+        now: f64,
+    ) -> Pair {
+        let (their_position, their_velocity) = self.state::<N>(other, now);
+        let (slow, dull) = if self.wedged() { (0.0, self.rest_speed) } else { (self.rest_speed, 0.0) };
+        Pair {
+            offset: their_position - position,
+            velocity: their_velocity - velocity,
+            reach: self.matter::<N>(slot).radius + self.matter::<N>(other).radius,
+            own: velocity,
+            slow,
+            dull,
+        }
+    }
+
+    /// When two balls meet that touch, or nearly do. They are looked at anew: that keeps all others in registers.
+    #[cold]
+    fn meet_at_hand<N: Needs>(&self, slot: usize, other: usize, now: f64) -> f64 {
+        self.pair::<N>(slot, other, now).meet()
+    }
+
+    /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
+    /// other's earliest. Where it crosses a border now, only those that have come near by that are looked at.
+    #[inline]
+    pub(super) fn meet_others<N: Needs>(&mut self, slot: usize, now: f64, crossed: Option<Border>) {
+        let Some(cells) = &self.cells else { return };
+        let flight = &self.flights[slot];
+        let own = self.state::<N>(slot, now);
+        let pair = |other: usize| self.pair_seen_from::<N>(slot, own, other, now);
+        let inside = |other: usize| N::DETECT && self.overlap(slot, other);
+        let mut first = First { time: flight.impact, partner: END, touches: false };
+        let mut accelerated = Postponed::default();
+        let meet_accelerated = |other: usize, first: &mut First| {
+            let pair = pair(other);
+            if pair.are_within(AT_HAND) {
+                first.touches = true;
+            }
+            let pull = self.pull::<N>(other) - self.pull::<N>(slot);
+            // A meeting after the next impact of either of them does not count.
+            let limit = first.time.min(self.flights[other].impact);
+            let time = if inside(other) {
+                pair.part_accelerated(pull, limit - now)
+            } else {
+                pair.meet_accelerated(pull, limit - now)
+            };
+            first.or(now + time, other, self.flights[other].impact);
+        };
+        let mut near = 0;
+        cells.for_each_near::<N>(slot, flight.place, crossed, |other| {
+            near += 1;
+            let held = |slot: usize| self.marks[slot].rests() == 3;
+            if N::HOLDS && held(slot) && held(other) {
+                // Neither moves: they never meet.
+            } else if N::HOLDS && self.marks[slot].rests() != self.marks[other].rests() {
+                // These cost most, and least where there is little time left: they come last.
+                if !accelerated.push(other) {
+                    meet_accelerated(other, &mut first);
+                }
+            } else {
+                let pair = pair(other);
+                let time = if inside(other) {
+                    pair.part()
+                } else if pair.are_within(AT_HAND) {
+                    first.touches = true;
+                    self.meet_at_hand::<N>(slot, other, now)
+                } else {
+                    pair.meet_from_afar()
+                };
+                first.or(now + time, other, self.flights[other].impact);
+            }
+        });
+        for &other in accelerated.all() {
+            meet_accelerated(other, &mut first);
+        }
+        self.beside |= first.touches;
+        if N::HOLDS {
+            self.unwatched += near / NEAR_PER_EVENT;
+        }
+        if first.partner != END {
+            let First { time, partner, .. } = first;
+            let partner = partner as usize;
+            (self.flights[slot].impact, self.flights[slot].against) = (time, Against::ball(partner));
+            let other = &mut self.flights[partner];
+            (other.impact, other.against) = (time, Against::ball(slot));
+            if time < other.event {
+                other.event = time;
+                self.calendar.write(time, partner as u32);
+            }
+        }
+    }
+
+    /// Whether two balls that fly through each other overlap now.
+    fn overlap(&self, slot: usize, other: usize) -> bool {
+        self.overlaps.as_ref().is_some_and(|overlaps| overlaps[slot].binary_search(&(other as u32)).is_ok())
+    }
+}
+
+/// The earliest meeting found, if it is earlier than what else will happen to a ball.
+struct First {
+    time: f64,
+    /// [`END`] while none has been found.
+    partner: u32,
+    /// Whether any of those that were looked at touches the ball.
+    touches: bool,
+}
+
+impl First {
+    /// Takes a meeting instead where it is earlier, and earlier than the partner's next impact: a toss, for which
+    /// there is no branch, since each choice between two numbers hangs on one comparison.
+    #[inline]
+    fn or(&mut self, time: f64, partner: usize, impact: f64) {
+        let time = if time < impact { time } else { NEVER };
+        self.partner = if time < self.time { partner as u32 } else { self.partner };
+        self.time = if time < self.time { time } else { self.time };
+    }
+}
+
+/// A few slots that are looked at last.
+#[derive(Debug, Clone, Default)]
+struct Postponed {
+    slots: [usize; 16],
+    count: usize,
+}
+
+impl Postponed {
+    /// Keeps a slot, if there is room.
+    fn push(&mut self, slot: usize) -> bool {
+        let room = self.count < self.slots.len();
+        if room {
+            self.slots[self.count] = slot;
+            self.count += 1;
+        }
+        room
+    }
+
+    fn all(&self) -> &[usize] {
+        &self.slots[..self.count]
+    }
+}
