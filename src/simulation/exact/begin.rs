@@ -10,8 +10,9 @@ use crate::simulation::world::{Pairs, World};
 
 use super::calendar::Calendar;
 use super::cells::Cells;
+use super::events::{LONGEST_YEAR, SHORTEST_YEAR};
 use super::flights::{Flight, Marks, Matter};
-use super::{Exact, LONGEST_YEAR, Needs, SHORTEST_YEAR, impacts};
+use super::{Exact, Needs, impacts};
 
 /// What balls move at most between two hits that are chatter, as a part of the smallest radius.
 const CHATTER_LENGTH: f64 = 1e-3;

@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 use std::hint::black_box;
 use std::mem;
 
-use super::{FEWEST, MANY};
+use super::events::FEWEST;
 
 /// Something will happen to a ball at a time, s since the year began.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,6 +116,8 @@ impl Day {
 const MOST_WRITTEN: usize = 6;
 /// So many events of the open day are looked through for the place of one that is written into it.
 const MOST_SOONER: usize = 64;
+/// So many balls, their cells and their days do not stay in the caches near the processor.
+const MANY: usize = 30_000;
 /// So many events are read ahead at once where balls are many: enough for memory to answer many at a time, and what they
 /// look at, about a kilobyte each, stays in the nearest cache.
 pub(super) const READ_AHEAD: usize = 32;

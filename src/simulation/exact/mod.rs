@@ -7,6 +7,7 @@
 //!
 //! - `begin`: what is made of the balls at the beginning;
 //! - `flights`: what is known of a ball;
+//! - `events`: how they are taken in their order in time, year by year;
 //! - `foresee`, `meetings`: which event comes next for a ball, on its own way or with others;
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
@@ -18,6 +19,7 @@
 mod begin;
 mod calendar;
 mod cells;
+mod events;
 mod flights;
 mod foresee;
 mod group;
@@ -32,13 +34,13 @@ use std::fmt::Debug;
 
 use glam::DVec2;
 
-use super::clock::{Clock, INSTANT};
+use super::clock::Clock;
 use super::world::World;
-use super::{Advance, Frame, Part, Tally};
+use super::{Advance, Frame, Part};
 pub(super) use begin::counted_rest_speed;
-use calendar::{Calendar, Dawn, Entry};
+use calendar::Calendar;
 use cells::Cells;
-use flights::{Flight, Marks, Matter, Target};
+use flights::{Flight, Marks, Matter};
 pub(super) use pace::Pace;
 
 /// The event-driven solver.
@@ -101,28 +103,9 @@ pub(super) struct Exact {
     propped: Vec<(u32, u32)>,
 }
 
-/// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
-const HITS_PER_YEAR: f64 = 1.0;
-/// A year is made for this many balls at least.
-const FEWEST: usize = 64;
-/// Events at one time above which balls have no room to move at all: hits that would go on for ever take all their
-/// speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
-const MOST_AT_ONCE: usize = 1 << 16;
-/// The same for each ball, where that is more in all.
-const MOST_AT_ONCE_PER_BALL: usize = 64;
 /// A ball that hit another more slowly than so many times the rest speed leans on it, for as long as so many hops at
 /// the rest speed: what lies on others is shown as touching them between its hops, too.
 const LEAN: f64 = 8.0;
-/// The shortest year, s.
-const SHORTEST_YEAR: f64 = 1.0 / (1_u64 << 58) as f64;
-/// The longest year, s.
-const LONGEST_YEAR: f64 = 16.0;
-/// The most events that are saved up for the search for groups at rest.
-const MOST_CREDIT: i64 = 1024;
-/// So many balls, their cells and their days do not stay in the caches near the processor.
-const MANY: usize = 30_000;
-/// Events between two looks at the caller's watch.
-const EVENTS_PER_LOOK: u32 = 256;
 
 /// What a simulation needs of the solver, decided when that is made: code for the rest is not even compiled in.
 trait Needs {
@@ -140,14 +123,6 @@ impl<const G: bool, const A: bool, const D: bool> Needs for Need<G, A, D> {
     const HOLDS: bool = G;
     const ALIKE: bool = A;
     const DETECT: bool = D;
-}
-
-/// Why the events up to a time are not all taken yet.
-enum Pause {
-    /// The year ends at this time, s since it began: its origin must move on.
-    NewYear(f64),
-    /// The caller has no time for what comes at this time, s since the year began.
-    Stopped(f64),
 }
 
 impl Exact {
@@ -174,152 +149,6 @@ impl Exact {
         if N::HOLDS { flight.at(now, self.pull::<N>(slot)) } else { flight.straight(now) }
     }
 
-    /// Whether the caller's watch says so; it is looked at now and then.
-    fn has_time(&mut self, go_on: &mut dyn FnMut() -> bool) -> bool {
-        self.unwatched += 1;
-        if self.unwatched < EVENTS_PER_LOOK {
-            return true;
-        }
-        self.unwatched = 0;
-        go_on()
-    }
-
-    /// Moves on to `target`, or as far as the caller's watch allows; where it got.
-    fn go<N: Needs>(
-        &mut self,
-        frame: &mut Frame<'_>,
-        target: Clock,
-        go_on: &mut dyn FnMut() -> bool,
-    ) -> Clock {
-        if !self.begin::<N>(frame.balls, go_on) {
-            return self.clock;
-        }
-        loop {
-            match self.take_events::<N>(frame.tally, target.shown_since(self.origin), go_on) {
-                None => return target,
-                Some(Pause::NewYear(time)) => {
-                    self.begin_year(time);
-                    if self.is_outrun() {
-                        return self.origin.min(target).max(self.clock);
-                    }
-                }
-                Some(Pause::Stopped(time)) => {
-                    return self.origin.shown_before(time).min(target).max(self.clock);
-                }
-            }
-        }
-    }
-
-    /// Takes all events up to `until`, s since the year began.
-    fn take_events<N: Needs>(
-        &mut self,
-        tally: &mut Tally,
-        until: f64,
-        go_on: &mut dyn FnMut() -> bool,
-    ) -> Option<Pause> {
-        loop {
-            while let Some(entry) = self.next_event(until) {
-                if !self.has_time(go_on) {
-                    self.calendar.put_back(entry);
-                    return Some(Pause::Stopped(entry.time));
-                }
-                self.take::<N>(tally, entry);
-                if self.calendar.is_crowded() || self.is_stuck() {
-                    return Some(Pause::NewYear(self.calendar.moment_before(entry.time)));
-                }
-            }
-            let day = self.calendar.day_ends();
-            if day > until {
-                return None;
-            }
-            let Self { flights, calendar, .. } = self;
-            let dawn = calendar.open(|entry| flights[entry.ball as usize].event == entry.time);
-            if dawn == Dawn::YearOver {
-                return Some(Pause::NewYear(day));
-            }
-        }
-    }
-
-    /// The next event of the open day, where it is not later than `until`.
-    #[inline]
-    fn next_event(&mut self, until: f64) -> Option<Entry> {
-        if self.calendar.is_unread() {
-            self.read_ahead();
-        }
-        self.calendar.next(until)
-    }
-
-    /// Takes one event, if it still holds.
-    #[inline]
-    fn take<N: Needs>(&mut self, tally: &mut Tally, entry: Entry) {
-        let (slot, now) = (entry.ball as usize, entry.time);
-        if now > self.instant + INSTANT {
-            (self.instant, self.at_once) = (now, 0);
-        }
-        self.at_once += 1;
-        self.credit = (self.credit + 1).min(MOST_CREDIT);
-        let flight = &self.flights[slot];
-        if flight.event != now {
-            return;
-        }
-        self.latest = now;
-        if flight.impact != now {
-            return self.cross::<N>(slot, now);
-        }
-        match flight.against.target() {
-            Target::Nothing => {}
-            Target::Wall { axis, high } => {
-                self.hits += 1;
-                self.hit_wall::<N>(tally, slot, axis, high, now);
-            }
-            Target::Ball(other) => {
-                let theirs = &self.flights[other];
-                // Both must still have each other ahead.
-                if theirs.impact == now && theirs.against.target() == Target::Ball(slot) {
-                    self.hits += 2;
-                    if N::DETECT {
-                        self.pass::<N>(slot, other, now);
-                    } else {
-                        self.collide::<N>(tally, slot, other, now);
-                    }
-                } else {
-                    self.foresee::<N>(slot, now);
-                }
-            }
-        }
-    }
-
-    /// Moves the origin of time on by `time`, to a moment of the calendar, and begins a year there, as long as the last
-    /// one's impacts suggest.
-    fn begin_year(&mut self, time: f64) {
-        self.origin = self.origin.after(time);
-        let balls = self.flights.len().max(FEWEST) as f64;
-        let suggested = HITS_PER_YEAR * balls * time / self.hits.max(1) as f64;
-        // Where not even a moment has passed, that says no more than that the year was far too long.
-        let shortest = SHORTEST_YEAR.max(self.span / calendar::MOMENTS);
-        while self.span > 1.5 * suggested && self.span > shortest {
-            self.span /= 2.0;
-        }
-        // Only once: a year without impacts says little of the next.
-        if self.span < 0.75 * suggested && self.span < LONGEST_YEAR {
-            self.span *= 2.0;
-        }
-        if let Some(pace) = &mut self.pace {
-            let busy = self.flights.iter().filter(|flight| flight.time > 0.0).count();
-            pace.pass(time, 0.5 * self.hits as f64, busy);
-        }
-        self.hits = 0;
-        self.latest -= time;
-        self.instant -= time;
-        self.calendar.begin(self.span);
-        for (slot, flight) in self.flights.iter_mut().enumerate() {
-            flight.time -= time;
-            flight.impact -= time;
-            flight.event -= time;
-            self.calendar.write(flight.event, slot as u32);
-        }
-    }
-
     /// Shows the balls as they are at the clock's time. This evaluates, and never writes back.
     fn show<N: Needs>(&mut self, frame: &mut Frame<'_>) {
         // Stopped by the caller's watch, the clock may be a little behind what has happened: before it, balls were not on
@@ -340,40 +169,9 @@ impl Exact {
         }
     }
 
-    /// The same solver that stops where there are more impacts than can be followed, and has kept pace so far as this says.
-    pub(super) fn while_it_keeps_pace(self, so_far: Pace) -> Self {
-        Self { pace: Some(so_far), ..self }
-    }
-
-    /// How impacts have kept pace, where it stops once they do not.
-    pub(super) fn pace(&self) -> Pace {
-        self.pace.unwrap_or_default()
-    }
-
     /// The time that it has come to.
     pub(super) fn clock(&self) -> Clock {
         self.clock
-    }
-
-    /// Whether it has stopped, for good.
-    pub(super) fn is_outrun(&self) -> bool {
-        self.is_stuck() || self.pace.is_some_and(|pace| pace.is_outrun(self.flights.len()))
-    }
-
-    /// Whether it has to stop because another event at this time would find balls wedged in.
-    #[inline]
-    fn is_stuck(&self) -> bool {
-        // A constant first: this is asked after each event.
-        self.at_once >= MOST_AT_ONCE && self.pace.is_some() && self.at_once >= self.most_at_once()
-    }
-
-    /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.
-    fn wedged(&self) -> bool {
-        self.at_once > self.most_at_once()
-    }
-
-    fn most_at_once(&self) -> usize {
-        MOST_AT_ONCE.max(MOST_AT_ONCE_PER_BALL * self.flights.len())
     }
 
     fn advance_as<N: Needs>(
@@ -425,6 +223,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::simulation::Tally;
     use crate::simulation::ball::Ball;
     use crate::simulation::world::Pairs;
 

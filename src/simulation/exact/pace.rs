@@ -1,4 +1,6 @@
-//! Whether there are more impacts than can be followed.
+//! Whether there are more impacts than can be followed, in a second or at one time.
+
+use super::Exact;
 
 /// So many impacts a second can be followed, at less than half of real time ...
 const FOLLOWED: f64 = (1 << 20) as f64;
@@ -8,6 +10,11 @@ const FOLLOWED_PER_BALL: f64 = 2048.0;
 const LET_PASS: f64 = (1 << 18) as f64;
 /// ... or for each ball.
 const LET_PASS_PER_BALL: f64 = 16.0;
+/// Events at one time above which balls have no room to move at all: hits that would go on for ever take all their
+/// speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
+const MOST_AT_ONCE: usize = 1 << 16;
+/// The same for each ball, where that is more in all.
+const MOST_AT_ONCE_PER_BALL: usize = 64;
 
 /// How far impacts have run ahead of what can be followed.
 #[derive(Debug, Clone, Copy, Default)]
@@ -26,6 +33,39 @@ impl Pace {
     /// Whether impacts among so many balls have run too far ahead.
     pub(super) fn is_outrun(self, balls: usize) -> bool {
         self.ahead > LET_PASS.max(LET_PASS_PER_BALL * balls as f64)
+    }
+}
+
+impl Exact {
+    /// The same solver that stops where there are more impacts than can be followed, and has kept pace so far as this says.
+    pub(in crate::simulation) fn while_it_keeps_pace(self, so_far: Pace) -> Self {
+        Self { pace: Some(so_far), ..self }
+    }
+
+    /// How impacts have kept pace, where it stops once they do not.
+    pub(in crate::simulation) fn pace(&self) -> Pace {
+        self.pace.unwrap_or_default()
+    }
+
+    /// Whether it has stopped, for good.
+    pub(in crate::simulation) fn is_outrun(&self) -> bool {
+        self.is_stuck() || self.pace.is_some_and(|pace| pace.is_outrun(self.flights.len()))
+    }
+
+    /// Whether it has to stop because another event at this time would find balls wedged in.
+    #[inline]
+    pub(super) fn is_stuck(&self) -> bool {
+        // A constant first: this is asked after each event.
+        self.at_once >= MOST_AT_ONCE && self.pace.is_some() && self.at_once >= self.most_at_once()
+    }
+
+    /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.
+    pub(super) fn wedged(&self) -> bool {
+        self.at_once > self.most_at_once()
+    }
+
+    fn most_at_once(&self) -> usize {
+        MOST_AT_ONCE.max(MOST_AT_ONCE_PER_BALL * self.flights.len())
     }
 }
 

@@ -1,0 +1,178 @@
+//! The run of events: they are taken in their order in time, from one year of the calendar to the next, and handed to what
+//! they are about.
+
+use crate::simulation::clock::{Clock, INSTANT};
+use crate::simulation::{Frame, Tally};
+
+use super::calendar::{self, Dawn, Entry};
+use super::flights::Target;
+use super::{Exact, Needs};
+
+/// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
+const HITS_PER_YEAR: f64 = 1.0;
+/// A year is made for this many balls at least.
+pub(super) const FEWEST: usize = 64;
+/// The shortest year, s.
+pub(super) const SHORTEST_YEAR: f64 = 1.0 / (1_u64 << 58) as f64;
+/// The longest year, s.
+pub(super) const LONGEST_YEAR: f64 = 16.0;
+/// The most events that are saved up for the search for groups at rest.
+const MOST_CREDIT: i64 = 1024;
+/// Events between two looks at the caller's watch.
+const EVENTS_PER_LOOK: u32 = 256;
+
+/// Why the events up to a time are not all taken yet.
+enum Pause {
+    /// The year ends at this time, s since it began: its origin must move on.
+    NewYear(f64),
+    /// The caller has no time for what comes at this time, s since the year began.
+    Stopped(f64),
+}
+
+impl Exact {
+    /// Whether the caller's watch says so; it is looked at now and then.
+    pub(super) fn has_time(&mut self, go_on: &mut dyn FnMut() -> bool) -> bool {
+        self.unwatched += 1;
+        if self.unwatched < EVENTS_PER_LOOK {
+            return true;
+        }
+        self.unwatched = 0;
+        go_on()
+    }
+
+    /// Moves on to `target`, or as far as the caller's watch allows; where it got.
+    pub(super) fn go<N: Needs>(
+        &mut self,
+        frame: &mut Frame<'_>,
+        target: Clock,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Clock {
+        if !self.begin::<N>(frame.balls, go_on) {
+            return self.clock;
+        }
+        loop {
+            match self.take_events::<N>(frame.tally, target.shown_since(self.origin), go_on) {
+                None => return target,
+                Some(Pause::NewYear(time)) => {
+                    self.begin_year(time);
+                    if self.is_outrun() {
+                        return self.origin.min(target).max(self.clock);
+                    }
+                }
+                Some(Pause::Stopped(time)) => {
+                    return self.origin.shown_before(time).min(target).max(self.clock);
+                }
+            }
+        }
+    }
+
+    /// Takes all events up to `until`, s since the year began.
+    fn take_events<N: Needs>(
+        &mut self,
+        tally: &mut Tally,
+        until: f64,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Pause> {
+        loop {
+            while let Some(entry) = self.next_event(until) {
+                if !self.has_time(go_on) {
+                    self.calendar.put_back(entry);
+                    return Some(Pause::Stopped(entry.time));
+                }
+                self.take::<N>(tally, entry);
+                if self.calendar.is_crowded() || self.is_stuck() {
+                    return Some(Pause::NewYear(self.calendar.moment_before(entry.time)));
+                }
+            }
+            let day = self.calendar.day_ends();
+            if day > until {
+                return None;
+            }
+            let Self { flights, calendar, .. } = self;
+            let dawn = calendar.open(|entry| flights[entry.ball as usize].event == entry.time);
+            if dawn == Dawn::YearOver {
+                return Some(Pause::NewYear(day));
+            }
+        }
+    }
+
+    /// The next event of the open day, where it is not later than `until`.
+    #[inline]
+    fn next_event(&mut self, until: f64) -> Option<Entry> {
+        if self.calendar.is_unread() {
+            self.read_ahead();
+        }
+        self.calendar.next(until)
+    }
+
+    /// Takes one event, if it still holds.
+    #[inline]
+    fn take<N: Needs>(&mut self, tally: &mut Tally, entry: Entry) {
+        let (slot, now) = (entry.ball as usize, entry.time);
+        if now > self.instant + INSTANT {
+            (self.instant, self.at_once) = (now, 0);
+        }
+        self.at_once += 1;
+        self.credit = (self.credit + 1).min(MOST_CREDIT);
+        let flight = &self.flights[slot];
+        if flight.event != now {
+            return;
+        }
+        self.latest = now;
+        if flight.impact != now {
+            return self.cross::<N>(slot, now);
+        }
+        match flight.against.target() {
+            Target::Nothing => {}
+            Target::Wall { axis, high } => {
+                self.hits += 1;
+                self.hit_wall::<N>(tally, slot, axis, high, now);
+            }
+            Target::Ball(other) => {
+                let theirs = &self.flights[other];
+                // Both must still have each other ahead.
+                if theirs.impact == now && theirs.against.target() == Target::Ball(slot) {
+                    self.hits += 2;
+                    if N::DETECT {
+                        self.pass::<N>(slot, other, now);
+                    } else {
+                        self.collide::<N>(tally, slot, other, now);
+                    }
+                } else {
+                    self.foresee::<N>(slot, now);
+                }
+            }
+        }
+    }
+
+    /// Moves the origin of time on by `time`, to a moment of the calendar, and begins a year there, as long as the last
+    /// one's impacts suggest.
+    fn begin_year(&mut self, time: f64) {
+        self.origin = self.origin.after(time);
+        let balls = self.flights.len().max(FEWEST) as f64;
+        let suggested = HITS_PER_YEAR * balls * time / self.hits.max(1) as f64;
+        // Where not even a moment has passed, that says no more than that the year was far too long.
+        let shortest = SHORTEST_YEAR.max(self.span / calendar::MOMENTS);
+        while self.span > 1.5 * suggested && self.span > shortest {
+            self.span /= 2.0;
+        }
+        // Only once: a year without impacts says little of the next.
+        if self.span < 0.75 * suggested && self.span < LONGEST_YEAR {
+            self.span *= 2.0;
+        }
+        if let Some(pace) = &mut self.pace {
+            let busy = self.flights.iter().filter(|flight| flight.time > 0.0).count();
+            pace.pass(time, 0.5 * self.hits as f64, busy);
+        }
+        self.hits = 0;
+        self.latest -= time;
+        self.instant -= time;
+        self.calendar.begin(self.span);
+        for (slot, flight) in self.flights.iter_mut().enumerate() {
+            flight.time -= time;
+            flight.impact -= time;
+            flight.event -= time;
+            self.calendar.write(flight.event, slot as u32);
+        }
+    }
+}
