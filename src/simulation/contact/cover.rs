@@ -7,8 +7,9 @@ use glam::DVec2;
 
 use super::super::grid::Disc;
 use super::constraints::Pair;
-use super::find::{Cells, FEW, Near, in_cells, is_clear};
+use super::find::{FEW, in_cells, is_clear};
 use super::layout::{Layer, Layout};
+use super::near::{Cells, Near};
 use super::stripes::{Stripe, of_layer};
 use super::team::Team;
 use super::{Body, Setting};

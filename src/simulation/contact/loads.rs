@@ -8,7 +8,7 @@
 use glam::DVec2;
 
 use super::constraints::Marks;
-use super::find::Near;
+use super::near::Near;
 use super::sleep::Rest;
 use super::stripes::{Holder, Stripes};
 use super::{Body, Setting};

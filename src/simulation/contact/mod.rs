@@ -3,8 +3,8 @@
 //!
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
-//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `constraints`,
-//!    `order`; of single balls `cover`), and what balls weigh where they are held, where masses differ (`weights`);
+//! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `near`,
+//!    `constraints`, `order`; of single balls `cover`), and what balls weigh where they are held, where masses differ (`weights`);
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `rewind`, `events`, `fates`, `impacts`,
 //!    `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
@@ -41,6 +41,7 @@ mod layout;
 mod legs;
 mod loads;
 mod meeting;
+mod near;
 mod order;
 mod parting;
 mod prepare;
@@ -68,8 +69,9 @@ use super::grid::Grid;
 use super::world::{Pairs, World};
 use super::{Tally, Tuning, within};
 use body::Body;
-use find::{Cargo, Near};
+use find::Cargo;
 use layout::{Layer, Layout};
+use near::Near;
 use parting::Parting;
 use room::Room;
 use show::Start;

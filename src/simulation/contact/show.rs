@@ -4,8 +4,8 @@ use glam::DVec2;
 
 use super::super::ball::Ball;
 use super::super::{Frame, within};
-use super::find::Near;
 use super::layout::Layer;
+use super::near::Near;
 use super::stripes::{Stripe, of_layer};
 use super::team::Team;
 use super::{Contact, Setting};

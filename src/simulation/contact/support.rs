@@ -12,8 +12,9 @@ use glam::DVec2;
 
 use super::super::lesser::lesser;
 use super::constraints::{Constraint, Pair};
-use super::find::{FEW, Near};
+use super::find::FEW;
 use super::layout::Layer;
+use super::near::Near;
 use super::stripes::Stripe;
 use super::substeps::Softness;
 use super::sweep::{Pass, Share};

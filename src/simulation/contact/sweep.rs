@@ -6,8 +6,8 @@
 
 use super::cover::Home;
 use super::fates::Fate;
-use super::find::Near;
 use super::layout::{Layer, Layout};
+use super::near::Near;
 use super::sleep::Rest;
 use super::stripes::{Stripe, of_layer};
 use super::{Body, Contact, Setting};

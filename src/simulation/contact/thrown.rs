@@ -10,8 +10,8 @@ use glam::DVec2;
 
 use super::constraints::Constraint;
 use super::fates::{Fate, Shift};
-use super::find::Near;
 use super::layout::Layer;
+use super::near::Near;
 use super::prepare::let_go;
 use super::stripes::Stripes;
 use super::support::{give, two};

@@ -7,7 +7,7 @@
 //! would do, which takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
 use super::constraints::Constraint;
-use super::find::Near;
+use super::near::Near;
 use super::sleep::Rest;
 use super::{Body, Contact, DVec2, Setting};
 
