@@ -4,9 +4,10 @@
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `near`,
-//!    `constraints`, `order`; of single balls `cover`), and what balls weigh where they are held, where masses differ (`weights`);
-//! 3. balls that meet exchange momentum at their time of impact (`turns`, `rewind`, `events`, `fates`, `impacts`,
-//!    `meeting`, `together`, `walls`);
+//!    `constraints`, `order`; of single balls `cover`), and what balls weigh where they are held, where masses
+//!    differ (`weights`);
+//! 3. balls that meet exchange momentum at their time of impact (`turns`, `stripe_turn`, `rewind`, `events`,
+//!    `fates`, `impacts`, `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
 //!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`);
 //!    what counts as heavier than it is, and is fast, is slowed down before;
@@ -49,6 +50,7 @@ mod rewind;
 mod room;
 mod show;
 mod sleep;
+mod stripe_turn;
 mod stripes;
 mod substeps;
 mod support;
