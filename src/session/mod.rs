@@ -4,14 +4,17 @@
 //! knows nothing of windows; it stands between the scenes and those who show them. It remembers what was done, so that
 //! time can run back, and the whole can be written down and played again, to the bit.
 //!
-//! - `command`: what there is to do;
+//! - `command`, `apply`: what there is to do, and what it does;
 //! - `state`: what changes and frames move;
 //! - `tape`: what happened, and the way back;
 //! - `truth`: the same balls, moved by the exact solver;
 //! - `foresight`: when balls next meet, and where a throw will go;
 //! - `replay`: a tape as a file;
-//! - `work`: what takes long, done a bit in each frame.
+//! - `work`: what takes long, done a bit in each frame;
+//! - `pace`: whether frames keep up with the time that is asked of them;
+//! - `thin`: how what grows with time keeps to its room.
 
+mod apply;
 mod command;
 mod foresight;
 mod pace;
@@ -20,6 +23,7 @@ mod state;
 mod tape;
 #[cfg(test)]
 mod tests;
+mod thin;
 mod truth;
 mod work;
 
@@ -37,7 +41,7 @@ use work::Work;
 pub use work::Working;
 
 use crate::scene::{self, Scene, SceneError};
-use crate::simulation::{Ball, Simulation, Solver};
+use crate::simulation::{Ball, Simulation};
 
 /// The slowest and the fastest time scale.
 pub const TIME_SCALES: (f64, f64) = (1.0 / 64.0, 16.0);
@@ -312,98 +316,6 @@ impl Session {
         Some(replay::write(&self.opened, self.seed, self.tape.whole()?))
     }
 
-    /// Does what a command says.
-    ///
-    /// # Errors
-    /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
-    pub fn apply(&mut self, command: Command) -> Result<(), CommandError> {
-        self.apply_while(command, || true)
-    }
-
-    /// Does what a command says. Of what may take long, [`StepToImpact`](Command::StepToImpact) and
-    /// [`Back`](Command::Back), only as much as `go_on` lets it; [`work_while`](Self::work_while) goes on with it, and
-    /// so does the next command.
-    ///
-    /// # Errors
-    /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
-    pub fn apply_while(
-        &mut self,
-        command: Command,
-        mut go_on: impl FnMut() -> bool,
-    ) -> Result<(), CommandError> {
-        self.work_on(&mut || true)?;
-        match command {
-            Command::TogglePause => {
-                self.paused = !self.paused;
-                self.steps.clear();
-                self.due = 0.0;
-            }
-            Command::Step => self.step(STEP),
-            Command::StepToImpact => self.step_to_impact(),
-            Command::Back => {
-                if !self.begin_back() {
-                    return Err(CommandError::NoEarlier);
-                }
-            }
-            Command::Slower => self.set_time_scale(self.time_scale / 2.0),
-            Command::Faster => self.set_time_scale(self.time_scale * 2.0),
-            Command::Scene(number) => self.go_to(number)?,
-            Command::NextScene => self.go_by(1)?,
-            Command::PreviousScene => self.go_by(-1)?,
-            Command::NextSolver => self.change(Change::Solver(next_solver(self.state.solver())))?,
-            Command::Reseed => self.reseed()?,
-            Command::ToggleComparison => self.change(Change::Compare(self.state.truth.is_none()))?,
-            Command::Change(change) => self.change(change)?,
-        }
-        self.work_on(&mut go_on)
-    }
-
-    /// Does what a change says, and notes it on the tape, whether it can be done or not.
-    fn change(&mut self, change: Change) -> Result<(), CommandError> {
-        let done = self.state.apply(change);
-        let entry = Entry::Change(Box::new(change));
-        self.tape.add(Taken { entry, done: 0.0 }, 0.0, &self.state);
-        if matches!(change, Change::Reset | Change::Reseed(_) | Change::Solver(_)) {
-            self.pace = Pace::default();
-        }
-        if matches!(change, Change::Reset | Change::Reseed(_)) {
-            self.steps.clear();
-        }
-        done
-    }
-
-    /// While paused: asks for a single step.
-    fn step(&mut self, seconds: f64) {
-        if self.paused {
-            self.steps.push_back(seconds);
-        }
-    }
-
-    fn reseed(&mut self) -> Result<(), CommandError> {
-        if !self.scene().has_random_parts() {
-            return Err(CommandError::NothingRandom(self.name().to_owned()));
-        }
-        self.reseeded += 1;
-        self.change(Change::Reseed(self.seed.wrapping_add(self.reseeded)))
-    }
-
-    /// Plays the built-in scene so many places on, or back.
-    fn go_by(&mut self, steps: isize) -> Result<(), CommandError> {
-        let names = scene::names();
-        let count = names.len() as isize;
-        // By what it is loaded by: a file of the user's own may have a built-in scene's name.
-        let here = names.iter().position(|&name| name == self.scene().argument()).map(|index| index as isize);
-        // From a scene of the user's own, forward is to the first and back is to the last.
-        let here = here.unwrap_or(if steps > 0 { -1 } else { 0 });
-        self.go_to((here + steps).rem_euclid(count) as usize)
-    }
-
-    /// Plays another built-in scene.
-    fn go_to(&mut self, number: usize) -> Result<(), CommandError> {
-        let Some(&name) = scene::names().get(number) else { return Ok(()) };
-        Ok(self.open(&Scene::load(name)?)?)
-    }
-
     /// Plays another scene in a world of the same size, with pause, time scale and comparison as they are. From there
     /// one cannot go back to what was played before.
     ///
@@ -424,19 +336,5 @@ impl Session {
         }
         *self = Self { paused: self.paused, time_scale: self.time_scale, ..session };
         Ok(())
-    }
-}
-
-fn next_solver(solver: Solver) -> Solver {
-    let here = Solver::ALL.iter().position(|&other| other == solver).unwrap_or(0);
-    Solver::ALL[(here + 1) % Solver::ALL.len()]
-}
-
-/// Keeps the first of what it is asked about, and from there on every second.
-fn every_second<T>() -> impl FnMut(&T) -> bool {
-    let mut keep = false;
-    move |_| {
-        keep = !keep;
-        keep
     }
 }

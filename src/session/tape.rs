@@ -8,8 +8,8 @@ use std::collections::VecDeque;
 use std::num::NonZeroU32;
 
 use super::command::Change;
-use super::every_second;
 use super::state::State;
+use super::thin::every_second;
 
 /// Entries between two keys at first.
 const SPACING: usize = 64;

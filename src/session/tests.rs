@@ -1,6 +1,7 @@
 //! Laws of a session that need to look inside of it.
 
 use super::*;
+use crate::simulation::Solver;
 use crate::simulation::limits::GRAVITY;
 
 const EARTH: DVec2 = DVec2::new(0.0, 980.0);

@@ -1,6 +1,6 @@
 //! The same balls moved by the exact solver, to compare with.
 
-use super::every_second;
+use super::thin::every_second;
 use crate::simulation::{Simulation, Solver};
 
 /// The most errors that are kept: half of them go where there are more.

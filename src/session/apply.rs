@@ -1,0 +1,107 @@
+//! What commands do.
+
+use super::command::{Change, Command, CommandError};
+use super::pace::Pace;
+use super::tape::{Entry, Taken};
+use super::{STEP, Session};
+use crate::scene::{self, Scene};
+use crate::simulation::Solver;
+
+impl Session {
+    /// Does what a command says.
+    ///
+    /// # Errors
+    /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
+    pub fn apply(&mut self, command: Command) -> Result<(), CommandError> {
+        self.apply_while(command, || true)
+    }
+
+    /// Does what a command says. Of what may take long, [`StepToImpact`](Command::StepToImpact) and
+    /// [`Back`](Command::Back), only as much as `go_on` lets it; [`work_while`](Self::work_while) goes on with it, and
+    /// so does the next command.
+    ///
+    /// # Errors
+    /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
+    pub fn apply_while(
+        &mut self,
+        command: Command,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Result<(), CommandError> {
+        self.work_on(&mut || true)?;
+        match command {
+            Command::TogglePause => {
+                self.paused = !self.paused;
+                self.steps.clear();
+                self.due = 0.0;
+            }
+            Command::Step => self.step(STEP),
+            Command::StepToImpact => self.step_to_impact(),
+            Command::Back => {
+                if !self.begin_back() {
+                    return Err(CommandError::NoEarlier);
+                }
+            }
+            Command::Slower => self.set_time_scale(self.time_scale / 2.0),
+            Command::Faster => self.set_time_scale(self.time_scale * 2.0),
+            Command::Scene(number) => self.go_to(number)?,
+            Command::NextScene => self.go_by(1)?,
+            Command::PreviousScene => self.go_by(-1)?,
+            Command::NextSolver => self.change(Change::Solver(next_solver(self.state.solver())))?,
+            Command::Reseed => self.reseed()?,
+            Command::ToggleComparison => self.change(Change::Compare(self.state.truth.is_none()))?,
+            Command::Change(change) => self.change(change)?,
+        }
+        self.work_on(&mut go_on)
+    }
+
+    /// Does what a change says, and notes it on the tape, whether it can be done or not.
+    pub(super) fn change(&mut self, change: Change) -> Result<(), CommandError> {
+        let done = self.state.apply(change);
+        let entry = Entry::Change(Box::new(change));
+        self.tape.add(Taken { entry, done: 0.0 }, 0.0, &self.state);
+        if matches!(change, Change::Reset | Change::Reseed(_) | Change::Solver(_)) {
+            self.pace = Pace::default();
+        }
+        if matches!(change, Change::Reset | Change::Reseed(_)) {
+            self.steps.clear();
+        }
+        done
+    }
+
+    /// While paused: asks for a single step.
+    pub(super) fn step(&mut self, seconds: f64) {
+        if self.paused {
+            self.steps.push_back(seconds);
+        }
+    }
+
+    fn reseed(&mut self) -> Result<(), CommandError> {
+        if !self.scene().has_random_parts() {
+            return Err(CommandError::NothingRandom(self.name().to_owned()));
+        }
+        self.reseeded += 1;
+        self.change(Change::Reseed(self.seed.wrapping_add(self.reseeded)))
+    }
+
+    /// Plays the built-in scene so many places on, or back.
+    fn go_by(&mut self, steps: isize) -> Result<(), CommandError> {
+        let names = scene::names();
+        let count = names.len() as isize;
+        // By what it is loaded by: a file of the user's own may have a built-in scene's name.
+        let here = names.iter().position(|&name| name == self.scene().argument()).map(|index| index as isize);
+        // From a scene of the user's own, forward is to the first and back is to the last.
+        let here = here.unwrap_or(if steps > 0 { -1 } else { 0 });
+        self.go_to((here + steps).rem_euclid(count) as usize)
+    }
+
+    /// Plays another built-in scene.
+    fn go_to(&mut self, number: usize) -> Result<(), CommandError> {
+        let Some(&name) = scene::names().get(number) else { return Ok(()) };
+        Ok(self.open(&Scene::load(name)?)?)
+    }
+}
+
+fn next_solver(solver: Solver) -> Solver {
+    let here = Solver::ALL.iter().position(|&other| other == solver).unwrap_or(0);
+    Solver::ALL[(here + 1) % Solver::ALL.len()]
+}
