@@ -1,0 +1,160 @@
+//! Going back in time, and on again, gives the same bits.
+
+use carom::session::{Change, Command, CommandError, STEP, Working};
+use carom::{DVec2, Solver};
+
+use super::{balls, delta, session};
+
+#[test]
+fn going_back_and_on_again_gives_the_same_bits_with_every_solver_and_through_changes() {
+    for (scene, solver) in [
+        ("gravity", Solver::Exact),
+        ("gravity", Solver::Canvas),
+        ("gravity", Solver::Contact),
+        ("galton", Solver::Contact),
+        ("rain", Solver::Contact),
+    ] {
+        let mut session = session(scene, solver);
+        let mut seen = Vec::new();
+        for frame in 0..200 {
+            match frame {
+                50 => session.apply(Change::AddRandom(5).into()).unwrap(),
+                90 => session.apply(Change::TiltGravity(DVec2::new(300.0, 0.0)).into()).unwrap(),
+                120 => {
+                    let ball = balls(&session).iter().position(|ball| !ball.is_fixed()).unwrap();
+                    session.apply(Change::Carry { ball, to: DVec2::new(600.0, 100.0) }.into()).unwrap();
+                }
+                150 => session.apply(Change::RemoveLast.into()).unwrap(),
+                _ => {}
+            }
+            session.advance(delta(frame)).unwrap();
+            seen.push(balls(&session));
+        }
+        session.apply(Command::TogglePause).unwrap();
+        for expected in seen.iter().rev().skip(1) {
+            session.apply(Command::Back).unwrap();
+            assert_eq!(&balls(&session), expected, "{scene}, {solver}: back");
+        }
+        assert!(matches!(session.apply(Command::Back), Err(CommandError::NoEarlier)));
+        for expected in &seen[1..] {
+            session.apply(Command::Step).unwrap();
+            session.advance(0.0).unwrap();
+            assert_eq!(&balls(&session), expected, "{scene}, {solver}: on again");
+        }
+        assert_eq!(session.seconds_ago(), 0.0);
+    }
+}
+
+#[test]
+fn time_that_runs_again_plays_what_was_played_and_then_goes_on() {
+    let mut session = session("gravity", Solver::Canvas);
+    for _ in 0..120 {
+        session.advance(STEP).unwrap();
+    }
+    let now = balls(&session);
+    for _ in 0..30 {
+        assert!(session.rewind(2.0 * STEP));
+    }
+    assert!((session.seconds_ago() - 60.0 * STEP).abs() < 1e-9, "{}", session.seconds_ago());
+    for _ in 0..60 {
+        assert_ne!(balls(&session), now);
+        session.advance(STEP).unwrap();
+    }
+    assert_eq!(balls(&session), now);
+    session.advance(STEP).unwrap();
+    assert_ne!(balls(&session), now);
+}
+
+#[test]
+fn a_rewind_ends_at_the_first_frame() {
+    let mut session = session("elastic", Solver::Exact);
+    for frame in 0..20 {
+        session.advance(delta(frame)).unwrap();
+    }
+    let mut count = 0;
+    while session.rewind(0.05) {
+        count += 1;
+    }
+    assert!((4..=8).contains(&count), "{count}");
+    assert_eq!(session.simulation().time(), 0.0);
+    let first = balls(&session);
+    session.rewind(f64::NAN);
+    assert!(!session.rewind(0.05) && balls(&session) == first);
+}
+
+#[test]
+fn a_change_in_the_past_replaces_what_came_after_it() {
+    let mut session = session("elastic", Solver::Exact);
+    for _ in 0..60 {
+        session.advance(STEP).unwrap();
+    }
+    let before = balls(&session);
+    for _ in 0..10 {
+        session.apply(Command::Back).unwrap();
+    }
+    session.apply(Change::RemoveLast.into()).unwrap();
+    assert_eq!(session.seconds_ago(), 0.0);
+    for _ in 0..10 {
+        session.advance(STEP).unwrap();
+    }
+    assert_eq!(balls(&session).len(), before.len() - 1);
+}
+
+#[test]
+fn one_goes_back_to_before_the_window_had_its_size_and_on_again() {
+    let mut session = session("gravity", Solver::Exact);
+    let small = DVec2::new(700.0, 500.0);
+    let mut seen = Vec::new();
+    for frame in 0..40 {
+        // As a window does, in each frame.
+        session.resize(if frame < 20 { DVec2::new(1280.0, 720.0) } else { small }).unwrap();
+        session.advance(STEP).unwrap();
+        seen.push(balls(&session));
+    }
+    session.apply(Command::TogglePause).unwrap();
+    for expected in seen.iter().rev().skip(1) {
+        session.apply(Command::Back).unwrap();
+        session.resize(small).unwrap();
+        session.advance(0.0).unwrap();
+        assert_eq!(&balls(&session), expected);
+    }
+    session.apply(Command::TogglePause).unwrap();
+    for _ in 0..45 {
+        session.resize(small).unwrap();
+        session.advance(STEP).unwrap();
+    }
+    assert!(!session.is_in_the_past());
+    assert_eq!(session.simulation().world().size(), small);
+}
+
+#[test]
+fn a_step_back_that_is_gone_bit_by_bit_shows_the_old_frame_until_it_is_there() {
+    let mut session = session("gravity", Solver::Exact);
+    let mut shown = Vec::new();
+    for _ in 0..60 {
+        session.advance(STEP).unwrap();
+        shown.push(balls(&session));
+    }
+    session.apply(Command::TogglePause).unwrap();
+    session.apply_while(Command::Back, || false).unwrap();
+    let mut parts = 0;
+    while session.working() == Some(Working::Back) {
+        assert_eq!(balls(&session), shown[59]);
+        assert!(!session.is_in_the_past());
+        session.work_while(|| false).unwrap();
+        parts += 1;
+    }
+    assert!(parts > 10 && balls(&session) == shown[58], "{parts}");
+    // Held, too: no more than there is time for, and nothing is left out.
+    session.apply(Command::TogglePause).unwrap();
+    let mut left = 0;
+    while balls(&session) != shown[40] {
+        let mut looks = 3;
+        assert!(session.rewind_while(STEP, || {
+            looks -= 1;
+            looks > 0
+        }));
+        left += 1;
+        assert!(left < 2_000, "it does go back");
+    }
+}

@@ -1,0 +1,95 @@
+//! What changes do to balls and energy, and that a replay does it again.
+
+use std::path::Path;
+
+use carom::session::{Change, CommandError, Replay, STEP, Session};
+use carom::{DVec2, Scene, Solver};
+use proptest::prelude::*;
+
+use super::{balls, session};
+
+#[test]
+fn energy_that_commands_give_is_told_from_what_impacts_take() {
+    let mut session = session("gravity", Solver::Exact);
+    let energy = |session: &Session| {
+        use carom::simulation::invariants::{kinetic_energy, potential_energy};
+        let simulation = session.simulation();
+        kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
+    };
+    let start = session.given_energy();
+    assert_eq!(start, energy(&session));
+    session.apply(Change::AddRandom(3).into()).unwrap();
+    session.apply(Change::TiltGravity(DVec2::new(0.0, -490.0)).into()).unwrap();
+    assert!((session.given_energy() - energy(&session)).abs() < 1e-9 * start);
+    for _ in 0..120 {
+        session.advance(STEP).unwrap();
+    }
+    assert!(session.given_energy() > energy(&session), "impacts took some");
+    session.apply(Change::Reset.into()).unwrap();
+    assert!((session.given_energy() - start).abs() < 1e-9 * start);
+}
+
+#[test]
+fn hundreds_of_times_a_hundred_balls_are_as_many_as_find_room_and_time_goes_on() {
+    let scene = Scene::load("elastic").unwrap().with_size(DVec2::new(240.0, 160.0)).unwrap();
+    let mut session = Session::new(&scene, 1).unwrap();
+    session.advance(0.0).unwrap();
+    let mut refused = 0;
+    for _ in 0..300 {
+        if let Err(error) = session.apply(Change::AddRandom(100).into()) {
+            assert!(matches!(error, CommandError::NoRoom { count: 100, .. }), "{error}");
+            refused += 1;
+        }
+    }
+    let count = balls(&session).len();
+    assert!(refused > 200 && (20..2_000).contains(&count), "{refused} refused, {count} balls");
+    session.advance(STEP).unwrap();
+    assert_eq!(session.simulation().time(), STEP);
+    session.apply(Change::Reset.into()).unwrap();
+    assert_eq!(balls(&session).len(), 15);
+}
+
+fn change() -> impl Strategy<Value = Change> {
+    let place = || (-100.0..1400.0, -100.0..900.0).prop_map(|(x, y)| DVec2::new(x, y));
+    let velocity = || (-3e3..3e3, -3e3..3e3).prop_map(|(x, y)| DVec2::new(x, y));
+    prop_oneof![
+        Just(Change::Reset),
+        (0..9_usize).prop_map(Change::AddRandom),
+        (place(), velocity(), 1.0..60.0).prop_map(|(position, velocity, radius)| Change::AddBall {
+            position,
+            velocity,
+            radius
+        }),
+        Just(Change::RemoveLast),
+        (0..20_usize).prop_map(Change::Remove),
+        (0..20_usize, place()).prop_map(|(ball, to)| Change::Carry { ball, to }),
+        (0..20_usize, place()).prop_map(|(ball, at)| Change::Place { ball, at }),
+        prop::sample::select(Solver::ALL).prop_map(Change::Solver),
+        Just(Change::ToggleGravity),
+        velocity().prop_map(Change::TiltGravity),
+        any::<bool>().prop_map(Change::Compare),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn whatever_was_done_a_replay_does_it_again_to_the_bit(
+        done in prop::collection::vec((prop::option::weighted(0.3, change()), 0.0..0.05_f64, 1..30_u32), 1..60)
+    ) {
+        let mut session = session("gravity", Solver::Exact);
+        for (change, seconds, most) in done {
+            if let Some(change) = change {
+                let _ = session.apply(change.into());
+            }
+            let mut looks = 0;
+            session.advance_while(seconds, || { looks += 1; looks < most }).unwrap();
+        }
+        let text = session.replay().unwrap();
+        let mut replay = Replay::parse(Path::new("replay"), &text, session.scene()).unwrap();
+        while replay.advance().unwrap() {}
+        prop_assert_eq!(replay.simulation().balls(), session.simulation().balls());
+        prop_assert_eq!(replay.simulation().tally(), session.simulation().tally());
+    }
+}
