@@ -37,7 +37,8 @@
 //! to it:
 //!
 //! ```text
-//! simulation  <-  scene  <-  session  <-  paint, headless  <-  report, window  <-  the program
+//! simulation  <-  scene  <-  session  <-  headless  <-  report, window  <-  the program
+//! simulation  <-  paint               <-  headless
 //! ```
 //!
 //! So the physics knows no files, clocks, random numbers or windows, and painting reads a simulation but never moves

@@ -1,6 +1,9 @@
-//! The house stays as drawn: which part of the program may import which.
+//! The house stays as drawn: which part of the program may import which, and libraries only where they belong.
 //!
-//! `simulation <- scene <- session <- paint; headless, report <- window <- the program`, and libraries only where they belong.
+//! ```text
+//! simulation  <-  scene  <-  session  <-  headless  <-  report, window  <-  the program
+//! simulation  <-  paint               <-  headless
+//! ```
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -86,7 +89,7 @@ fn code(path: &Path) -> String {
     code.join("\n")
 }
 
-/// Every identifier that stands behind `prefix` in `code`, whatever is before that.
+/// Every identifier that stands after `prefix` in `code`, whatever is before that.
 fn named_anywhere(code: &str, prefix: &str) -> Vec<String> {
     let name = |at: usize| {
         code[at + prefix.len()..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
@@ -94,7 +97,7 @@ fn named_anywhere(code: &str, prefix: &str) -> Vec<String> {
     code.match_indices(prefix).map(|(at, _)| name(at)).collect()
 }
 
-/// Every identifier that stands behind `prefix` in `code`.
+/// Every identifier that stands after `prefix` in `code`.
 fn named(code: &str, prefix: &str) -> Vec<String> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_';
     let behind = code.match_indices(prefix).filter(|(at, _)| !code[..*at].ends_with(is_name));
