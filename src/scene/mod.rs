@@ -14,7 +14,7 @@
 //! gravity = [0, 0]               # px/s², y down
 //!
 //! [walls]                        # left out: no walls
-//! restitution = 1                # 0 to 1
+//! restitution = 1                # 0 to 1; the balls' own do not count at walls
 //!
 //! [pairs]                        # left out: balls fly through each other
 //! response = "impulse"           # or "detect"
@@ -24,7 +24,7 @@
 //! radius = 30                    # px; must be said
 //! velocity = [0, 0]              # px/s
 //! mass = 1
-//! restitution = 1                # 0 to 1
+//! restitution = 1                # 0 to 1; of two balls that meet, the smaller one counts
 //! wide = false                   # true: meant to be wider than a world without walls
 //!
 //! [[ball]]
