@@ -133,7 +133,7 @@ fn discs(side: usize, eta: f64) -> Simulation {
 /// Padé approximant [5/4] that has the same ten.
 ///
 /// At η = 0.5 that is 4.10637; the approximants [4/5], [6/3] and [3/6] differ from it by at most 0.004 %. A geometric tail
-/// behind the tenth term comes to 4.10715, 0.02 % more: the ratio of the terms still falls.
+/// after the tenth term comes to 4.10715, 0.02 % more: the ratio of the terms still falls.
 fn virial_series(eta: f64) -> f64 {
     const COEFFICIENTS: [f64; 10] = [
         1.0,

@@ -97,7 +97,7 @@ impl Frames {
         Ok(Self(Kind::Even { whole: whole as u64, delta, rest }))
     }
 
-    /// The deltas of a file: one a line, blank lines and what stands behind a # left out.
+    /// The deltas of a file: one a line, blank lines and what stands after a # left out.
     ///
     /// # Errors
     /// [`FramesError`] where it cannot be read, or a line is not a delta.

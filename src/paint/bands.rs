@@ -41,7 +41,7 @@ pub(super) struct Bands {
 
 #[derive(Debug, Default)]
 struct Band {
-    /// Its first row, and the one behind its last.
+    /// Its first row, and the one after its last.
     top: usize,
     bottom: usize,
     /// Its discs, in their order.

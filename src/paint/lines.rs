@@ -28,7 +28,7 @@ pub(super) struct Corners(Vec<Vec<DVec2>>);
 /// does not reach has no length.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
-    /// Four begin for each row, and [`STRIDE`] more stand behind the last ...
+    /// Four begin for each row, and [`STRIDE`] more stand after the last ...
     left: Vec<i32>,
     /// ... and as many end.
     right: Vec<i32>,

@@ -15,7 +15,7 @@ pub(super) struct Target<'a> {
     pub(super) clip: Area,
 }
 
-/// A rectangle of pixels; empty where an end is not behind its start.
+/// A rectangle of pixels; empty where an end is not after its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
     pub(super) left: i32,
@@ -64,7 +64,7 @@ impl<'a> Target<'a> {
         Self { pixels, width, top, clip }
     }
 
-    /// The rows from `y` on, each from column `x` on; neither lies before the clip. None where `y` lies behind it.
+    /// The rows from `y` on, each from column `x` on; neither lies before the clip. None where `y` lies beyond it.
     pub(super) fn rows_from(&mut self, x: i32, y: i32) -> impl Iterator<Item = &mut [Pixel]> {
         let start = (y - self.top) as usize * self.width + x as usize;
         self.pixels.get_mut(start..).unwrap_or_default().chunks_mut(self.width)

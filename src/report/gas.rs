@@ -129,7 +129,7 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
     section.heading("A gas, by its statistics");
     section.say(format!(
         "{COUNT} elastic balls of radius {RADIUS} px cover {ETA} of a box and have come to equilibrium; each run goes on \
-         from there for {} s. Energy must not change but for rounding. The compressibility Z = PA/NkT, from the hits on the walls, must be \
+         from there for {} s. Energy must not change except by rounding. The compressibility Z = PA/NkT, from the hits on the walls, must be \
          {PUBLISHED} (Clisby & McCoy 2006), and speeds must be Maxwell's; the runs are so short that chance alone moves \
          both: the pressure by about {} %, which is the root of the number of hits. `canvas` lets balls overlap, which takes room away from \
          none of them: its pressure is too low where frames are long.",

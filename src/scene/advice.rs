@@ -72,7 +72,7 @@ const ONE_LEVEL: &str =
     "this is nested too deep; a scene file has no tables in tables, and no arrays in arrays";
 /// What is said of a line that is none of TOML's.
 const NO_LINE: &str = "this is neither a key with its value, such as radius = 30, nor a table's name in brackets, such as \
-    [walls], nor a comment behind #";
+    [walls], nor a comment after #";
 /// What is said where an array goes on into the next line.
 const OPEN_ARRAY: &str =
     "an array that began before is still open here; close it with ], and put commas between its numbers";
@@ -86,7 +86,7 @@ struct Entry<'a> {
     line: &'a str,
     /// The key or the table that it is about.
     name: &'a str,
-    /// What stands behind that key's equals sign, but for a comment.
+    /// What stands after that key's equals sign, except a comment.
     value: &'a str,
 }
 
@@ -133,12 +133,12 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// Where something stands behind what should be all.
+    /// Where something stands after what should be all.
     fn too_much(&self) -> String {
         let message = if self.line.starts_with('[') {
-            "something stands behind the table's name, where the line should end".to_owned()
+            "something stands after the table's name, where the line should end".to_owned()
         } else {
-            self.and_write("something stands behind the value, where the line should end")
+            self.and_write("something stands after the value, where the line should end")
         };
         self.and_slashes(message)
     }
@@ -261,7 +261,7 @@ fn twice(name: &str, is_table: bool) -> String {
     }
 }
 
-/// A name without what stands around it and behind it.
+/// A name without what stands around it and after it.
 fn bare(text: &str) -> &str {
     let around = |c: char| c.is_whitespace() || "[]\"'\u{feff}".contains(c);
     text.trim_start_matches(around)
@@ -271,7 +271,7 @@ fn bare(text: &str) -> &str {
         .trim_matches(around)
 }
 
-/// The word that the parser quotes behind these words.
+/// The word that the parser quotes after these words.
 fn quoted_after<'a>(said: &'a str, words: &str) -> Option<&'a str> {
     said.strip_prefix(words)?.strip_prefix('`')?.split('`').next()
 }

@@ -248,7 +248,7 @@ impl File {
         Ok(balls)
     }
 
-    /// The fills, which come behind so many balls.
+    /// The fills, which come after so many balls.
     fn fills(&self, size: DVec2, balls: usize) -> Result<Vec<Fill>, At> {
         if let Some(table) = self.fills.get(MOST_FILLS) {
             let message =

@@ -57,7 +57,7 @@ impl Fill {
         let (room, mut rng, radii) = self.draw(world, stream);
         // Balls that would cover more than the room need no second trial.
         let covered: f64 = radii.iter().map(|radius| PI * radius * radius).sum();
-        // Where they cover more than chance can place, they are thrown all the same: what a lattice draws comes behind
+        // Where they cover more than chance can place, they are thrown all the same: what a lattice draws comes after
         // that in the stream of random numbers, and a seed keeps its balls.
         let mut places = throw(&mut rng, &room, &radii, present);
         if places.len() < self.count && covered < room.area() {

@@ -63,7 +63,7 @@ impl Rain {
         mut go_on: impl FnMut() -> bool,
     ) -> Result<f64, OutOfRange> {
         let mut left = DELTA.check(seconds)?;
-        // Frames that end with a spell but for rounding see its balls.
+        // Frames that end with a spell, up to rounding, see its balls.
         while let Some(wait) = self.wait().filter(|&wait| wait <= left + ROUNDING) {
             let done = simulation.advance_while(wait, &mut go_on)?;
             self.pass(done);

@@ -13,7 +13,7 @@ pub enum Command {
     TogglePause,
     /// While paused: advance by [`STEP`](super::STEP), in the frames that follow.
     Step,
-    /// While paused: advance to just behind the next impact, where the solver is `exact`; else as [`Step`](Self::Step).
+    /// While paused: advance to just after the next impact, where the solver is `exact`; else as [`Step`](Self::Step).
     StepToImpact,
     /// Go back to the frame before, as it was.
     Back,

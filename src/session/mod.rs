@@ -184,7 +184,7 @@ impl Session {
     }
 
     /// A frame after `measured` seconds, scaled by the time scale; at most [`LONGEST_FRAME`] of them count. Nothing
-    /// moves while paused but single steps, and a scene's first frame, which has a delta of 0, always takes place.
+    /// moves while paused except single steps, and a scene's first frame, which has a delta of 0, always takes place.
     ///
     /// # Errors
     /// [`OutOfRange`](crate::OutOfRange) where `measured` is negative or not a number.

@@ -195,7 +195,7 @@ impl State {
         self.add(&[ball])
     }
 
-    /// The simulation, and behind it the one that it is compared with, if any: what is done to the one is done to the
+    /// The simulation, and after it the one that it is compared with, if any: what is done to the one is done to the
     /// other.
     fn simulations(&mut self) -> impl Iterator<Item = &mut Simulation> {
         let truth = self.truth.as_mut().map(|truth| &mut truth.simulation);

@@ -95,7 +95,7 @@ impl Session {
         found
     }
 
-    /// While paused: steps to just behind the next impact, or by a frame where that cannot be known.
+    /// While paused: steps to just after the next impact, or by a frame where that cannot be known.
     pub(super) fn step_to_impact(&mut self) {
         if !self.is_paused() || self.simulation().solver() != Solver::Exact || self.is_in_the_past() {
             self.step(STEP);

@@ -47,7 +47,7 @@ impl fmt::Display for BuildError {
 
 impl std::error::Error for BuildError {}
 
-/// Checks that `balls`, which come behind `before` others, fit into the world.
+/// Checks that `balls`, which come after `before` others, fit into the world.
 pub(super) fn check_fit(world: &World, balls: &[Ball], before: usize) -> Result<(), BuildError> {
     let count = before + balls.len();
     if count > MAX_BALLS {

@@ -64,6 +64,10 @@ pub struct Simulation {
 }
 
 /// What has happened since the simulation began.
+///
+/// Under gravity [`Solver::Contact`] counts neither impacts nor hits on walls that are slower than the rest speed
+/// ([`with_rest_speed`](Simulation::with_rest_speed)): what lies on others meets them so in every substep. `Exact` counts
+/// them all, until balls rest; `Canvas` counts each frame in which two balls touch and exchange momentum.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tally {
     /// Impacts between two balls, of which one may be fixed.
@@ -94,7 +98,7 @@ impl Tally {
 }
 
 impl Simulation {
-    /// A simulation at time 0. Balls outside of the walls are brought in, as by [`resize`](Self::resize), but with
+    /// A simulation at time 0. Balls outside of the walls are brought in, as by [`resize`](Self::resize), except with
     /// [`Solver::Canvas`], which does so itself, and where they would fill more than half of the world.
     ///
     /// # Errors
@@ -259,7 +263,7 @@ impl Simulation {
         self.engine.parts(&self.world)
     }
 
-    /// Adds balls behind those that are there. Those outside of the walls are brought in as by [`new`](Self::new).
+    /// Adds balls after those that are there. Those outside of the walls are brought in as by [`new`](Self::new).
     ///
     /// # Errors
     /// [`BuildError`] where one does not fit between the walls, or they are too many; none is added then.
@@ -279,7 +283,7 @@ impl Simulation {
         self.remove(self.balls.len().checked_sub(1)?)
     }
 
-    /// Takes the ball of this index away, from 0; those behind it move up. `None` where there is none.
+    /// Takes the ball of this index away, from 0; those after it move up. `None` where there is none.
     pub fn remove(&mut self, index: usize) -> Option<Ball> {
         if index >= self.balls.len() {
             return None;
@@ -354,7 +358,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Goes on with another solver from the state as it is, but that balls outside of the walls are brought in as by
+    /// Goes on with another solver from the state as it is, except that balls outside of the walls are brought in as by
     /// [`new`](Self::new).
     pub fn set_solver(&mut self, solver: Solver) {
         self.solver = solver;

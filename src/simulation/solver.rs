@@ -66,7 +66,7 @@ pub(super) trait Advance: fmt::Debug + Send + Sync {
     /// not before some of it is done, so that every call gets on. `frame` then holds the state at the time returned.
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64;
 
-    /// Takes up balls that were added behind those that it knows, and returns whether it could; if not, it is made
+    /// Takes up balls that were added after those that it knows, and returns whether it could; if not, it is made
     /// anew. `balls` are all of them.
     fn add(&mut self, _world: &World, _balls: &[Ball]) -> bool {
         false

@@ -118,7 +118,7 @@ impl Screen {
         let rendered = self.pixels.as_ref().map(|pixels| {
             pixels.render_with(|_, target, context| {
                 uploaded = Instant::now();
-                // Submitted here and not behind: presenting on a device that was lost as this was submitted would be
+                // Submitted here and not after: presenting on a device that was lost as this was submitted would be
                 // the end, in the graphics library. An error leaves the picture out instead.
                 let descriptor = CommandEncoderDescriptor { label: Some("carom") };
                 let mut encoder = context.device.create_command_encoder(&descriptor);

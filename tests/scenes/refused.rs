@@ -52,12 +52,12 @@ const WRONG: &[(&str, usize, &str)] = &[
     (
         "[walls]\nrestitution = 0,7",
         2,
-        "something stands behind the value, where the line should end; write restitution = 0.7",
+        "something stands after the value, where the line should end; write restitution = 0.7",
     ),
     ("solver = exact", 1, "text stands in quotes; write solver = \"exact\""),
     ("colour = red", 1, "neither a number, nor text in quotes, nor an array"),
     ("walls", 1, "neither a key with its value, such as radius = 30, nor a table's name"),
-    ("// two balls", 1, "nor a comment behind #"),
+    ("// two balls", 1, "nor a comment after #"),
     (
         "[[ball]]\nposition = [1, 2]\nradius = 3\ngravity = [0, 980]",
         4,
@@ -111,9 +111,9 @@ const WRONG: &[(&str, usize, &str)] = &[
         "duplicate key: position comes once in a table",
     ),
     ("\u{feff}solver = exact", 1, "text stands in quotes; write solver = \"exact\""),
-    ("//gravity = [0, 980]", 1, "nor a comment behind #"),
+    ("//gravity = [0, 980]", 1, "nor a comment after #"),
     ("[[ball]]\nradius = 30 // px", 2, "write radius = 30; a comment begins with #"),
-    ("[[ball]] position = [1, 2]", 1, "something stands behind the table's name"),
+    ("[[ball]] position = [1, 2]", 1, "something stands after the table's name"),
     ("radius = 30", 1, "radius does not belong here; write it below [[ball]], [[fill]] or [rain]"),
     ("[walls]\nposition = [1, 2]", 2, "position does not belong here; write it below [[ball]]"),
     (

@@ -15,7 +15,7 @@ fn own_most() -> f64 {
 /// What there may be more of resident memory in the last quarter than in the one before: this share, and this much, MB.
 const GROWTH: (f64, f64) = (1.1, 8.0);
 
-/// All keys that do something, but for Escape, which ends the program.
+/// All keys that do something, except Escape, which ends the program.
 const KEYS: [&str; 44] = [
     "a",
     "shift+a",

@@ -317,7 +317,7 @@ mod tests {
                 );
                 let body = reference.bodies[fields[1].parse::<usize>().unwrap()];
                 for (axis, field) in [fields[2], fields[3]].into_iter().enumerate() {
-                    // They are kept to 22 digits behind the point, less what chaos makes of the 32nd.
+                    // They are kept to 22 digits after the point, less what chaos makes of the 32nd.
                     let error = (decimal(field) - body.position[axis]).rounded().abs();
                     assert!(error < 2e-21, "{scene} at {} s: {error:e}", fields[0]);
                 }

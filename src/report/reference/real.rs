@@ -14,7 +14,7 @@ pub(in crate::report) trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// The unit of rounding: what 1 is relative to the digit behind its last.
+    /// The unit of rounding: what 1 is relative to the digit after its last.
     const ROUNDING: f64;
 
     /// This value, without rounding.

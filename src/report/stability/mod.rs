@@ -159,7 +159,7 @@ mod tests {
     const LONG: [&str; 6] =
         ["delta-3600", "hour-elastic", "hour-gravity", "packed-0.90", "one-point-1e5", "column-1000"];
 
-    /// Every criterion of every short case must hold with this solver, but for these.
+    /// Every criterion of every short case must hold with this solver, except these.
     fn all_held_but(solver: Solver, missed: &[&str]) {
         for case in
             cases::all().iter().filter(|case| !LONG.contains(&case.name) && !missed.contains(&case.name))

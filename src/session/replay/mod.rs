@@ -175,7 +175,7 @@ impl Replay {
         self.refused.as_ref()
     }
 
-    /// Plays on to the end of the next frame; whether there was one. Changes behind the last frame take place, too.
+    /// Plays on to the end of the next frame; whether there was one. Changes after the last frame take place, too.
     ///
     /// # Errors
     /// [`OutOfRange`](crate::OutOfRange) where a delta is refused.

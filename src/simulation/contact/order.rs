@@ -71,7 +71,7 @@ impl Heights {
     }
 }
 
-/// Turns counts, each behind its place, into starts.
+/// Turns counts, each after its place, into starts.
 fn sum_up(counts: &mut [u32]) {
     let mut sum = 0;
     for count in counts {

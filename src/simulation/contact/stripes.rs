@@ -245,7 +245,7 @@ impl Stripes<'_> {
         given
     }
 
-    /// What holds a ball, but for walls. Its pairs must be linked.
+    /// What holds a ball, except walls. Its pairs must be linked.
     pub(super) fn holders(&self, body: usize) -> impl Iterator<Item = Holder> {
         self.of_body(body).flat_map(move |number| {
             let (stripe, start) = (&self.list[number], self.layout.start(number));

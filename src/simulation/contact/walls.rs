@@ -196,7 +196,7 @@ struct Landed {
     at: Option<Hop>,
     /// Whether it rests with nothing but gravity to press it, and was laid there.
     lies: bool,
-    /// When it bounced again for the last time, s, but for hops in which it hardly moves; 0 where it did not.
+    /// When it bounced again for the last time, s, except for hops in which it hardly moves; 0 where it did not.
     time: f64,
     bounces: u32,
     /// How many of them count as impacts.

@@ -71,7 +71,7 @@ pub(super) struct Calendar {
     today: Vec<Entry>,
     /// Those that were written into it after it was opened, and had too many before them.
     late: BinaryHeap<Reverse<Entry>>,
-    /// How many of the open day's events, its latest, have not been [read](Self::read) ahead, but for those that were
+    /// How many of the open day's events, its latest, have not been [read](Self::read) ahead, except those that were
     /// written into it since.
     unread: usize,
     /// Whether there are so many balls that what comes is read ahead, and what is written waits in `pending`.
@@ -83,7 +83,7 @@ pub(super) struct Calendar {
 /// What was written down for a day, in any order.
 #[derive(Debug, Clone, Default)]
 struct Day {
-    /// Room for entries; what stands in it behind the last means nothing.
+    /// Room for entries; what stands in it after the last means nothing.
     room: Vec<Entry>,
     count: usize,
 }
@@ -168,7 +168,7 @@ impl Calendar {
         }
     }
 
-    /// How many days a year has; that of what is beyond it stands behind them.
+    /// How many days a year has; that of what is beyond it stands after them.
     fn beyond(&self) -> usize {
         self.days.len() - 1
     }
@@ -318,7 +318,7 @@ impl Calendar {
 
     /// The last of the year's moments that is not later than `time`.
     pub(super) fn moment_before(&self, time: f64) -> f64 {
-        // All are powers of two, but for the whole number of moments.
+        // All are powers of two, except the whole number of moments.
         (time / self.span * MOMENTS).floor() / MOMENTS * self.span
     }
 

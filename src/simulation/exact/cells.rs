@@ -42,7 +42,7 @@ struct Level {
     shift: u32,
     columns: usize,
     rows: usize,
-    /// Where the link of its first cell is, behind the rim's.
+    /// Where the link of its first cell is, after the rim's.
     first: usize,
     /// From a cell's link to that of the one below it.
     stride: usize,
@@ -197,7 +197,7 @@ impl Cells {
         inside.then(|| [self.line_after(level, 0, column), self.line_after(level, 1, row)])
     }
 
-    /// The coordinate of the line behind so many columns or rows.
+    /// The coordinate of the line after so many columns or rows.
     #[inline]
     fn line_after(&self, level: &Level, axis: usize, number: usize) -> f64 {
         // Counted in the finest cells: few enough for a conversion of one instruction.

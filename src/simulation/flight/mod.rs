@@ -227,7 +227,7 @@ mod tests {
             let up = DVec2::from_angle(any(0.618) - 0.5).perp() * -1.0;
             let reach = 1.0 + 60.0 * any(0.755);
             let speed = 10_f64.powi(-digits);
-            // They touch, but for some rounding; or overlap.
+            // They touch, up to some rounding; or overlap.
             let gap = [0.0, 1e-16, -1e-16, 4e-16, -4e-16, -1e-14, -1e-12, -1e-9][step as usize % 8];
             let hops = pair(up * (reach * (1.0 + gap)), up * speed + 1e-3 * up.perp(), reach);
             let back = hops.meet_accelerated(gravity, 1.0);

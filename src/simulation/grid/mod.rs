@@ -162,7 +162,7 @@ impl Grid {
         self.large.len().pow(2) / 2 > self.sorted.len() + self.large.len()
     }
 
-    /// The order in which the discs of the last search stand in the cells, row by row, and behind them those too large.
+    /// The order in which the discs of the last search stand in the cells, row by row, and after them those too large.
     pub(super) fn order(&self) -> impl Iterator<Item = u32> {
         self.sorted.iter().chain(&self.large).map(|entry| entry.index)
     }
@@ -235,7 +235,7 @@ impl Grid {
                 if own.is_empty() {
                     continue;
                 }
-                // Neighbours in a row are neighbours in `sorted`, so two ranges serve, but for the torus's seam.
+                // Neighbours in a row are neighbours in `sorted`, so two ranges serve, except at the torus's seam.
                 let (east, seam_east) = if column == last_column {
                     (own.clone(), range(here, here))
                 } else {

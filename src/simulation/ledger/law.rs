@@ -14,7 +14,7 @@ pub enum Law {
     /// overlap, and in a crowd that is pressed together `contact` does: only `exact` is held to it. Fractions of the
     /// smaller radius.
     Overlap,
-    /// Energy, mass·px²/s², does not rise, but for what solvers add under gravity, for all balls together (of mass M):
+    /// Energy, mass·px²/s², does not rise, except by what solvers add under gravity, for all balls together (of mass M):
     /// - `canvas`, in each frame, what its step lifts a ball by where gravity took it into a wall;
     /// - `exact`, ½Mu² for hops at the rest speed u, as it counts under this gravity
     ///   ([`with_rest_speed`](crate::Simulation::with_rest_speed));
