@@ -110,6 +110,27 @@ fn a_pile_whose_masses_do_not_follow_its_sizes_gets_no_energy_from_nowhere() {
     }
 }
 
+/// Light balls that heavy ones press on kept all fast ones where they were, in each substep again, for ever.
+#[test]
+fn piles_whose_masses_span_eight_powers_of_ten_come_to_rest() {
+    for seed in [24, 42, 98] {
+        let fill = |decade: i32| {
+            let (mass, seed) = (10_f64.powi(decade), seed + 1000 * (decade + 4));
+            format!(
+                "[[fill]]\ncount = 33\nradius = [3, 12]\nmass = {mass}\nrestitution = 0.7\nseed = {seed}\n"
+            )
+        };
+        let fills: String = (-4..=4).map(fill).collect();
+        let text = format!(
+            "solver = \"contact\"\nsize = [640, 480]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n{fills}"
+        );
+        let mut pile = Scene::parse("mixed", &text).unwrap().build().unwrap();
+        (0..1200).for_each(|_| pile.advance(FRAME).unwrap());
+        assert_eq!(fastest(&pile), 0.0, "seed {seed}");
+        assert!(overlap(&pile) < 0.02, "seed {seed}: {}", overlap(&pile));
+    }
+}
+
 /// A heavy ball on the floor, or two side by side, and a light one on top that slips off, or wedges them apart.
 #[test]
 fn what_lies_on_heavy_balls_gives_them_no_more_than_it_has() {

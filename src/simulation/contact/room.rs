@@ -5,8 +5,9 @@
 //! would end in others, and those that would end where these began, or beyond, go straight from where they began towards
 //! where they were hit last, or would end, until they touch something. They lose time, and come into nothing.
 //!
-//! Under gravity, where overlaps follow loads, only among fixed balls, and where the substep was ended for fast ones: nothing
-//! else keeps what these hit from going through then.
+//! Under gravity, where overlaps follow loads, only where the substep was ended for fast ones, or where one of unlike balls was
+//! hit as often as it may be and goes on: nothing else keeps what these hit from going through then. What presses for long
+//! on one that has no room may press for ever so; that one is left to what holds it, now and then.
 
 use glam::DVec2;
 
@@ -15,6 +16,7 @@ use super::constraints::Pair;
 use super::fates::{Limits, is_fast};
 use super::layout::{Layer, Layout};
 use super::near::Near;
+use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
 use super::sweep::{Pass, Share};
 use super::turns::Course;
@@ -25,6 +27,13 @@ const DEEPEST: f64 = 0.02;
 /// Who may go through others is looked for where one constraint pushes a ball by more than this part of its radius in a
 /// substep: many together may push it by all of it, which is far enough (`is_pushed_far`).
 const PUSHED: f64 = 0.125;
+/// Under gravity one of unlike balls that still goes farther in a substep than this part of its radius after as many impacts as
+/// it may have, and is faster than so many of gravity's kicks, may go through others: they are too light to turn it back. What
+/// only sinks among light ones is slower.
+const RAMMING: (f64, f64) = (0.05, 50.0);
+/// Under gravity a ball that had no room in so many substeps in a row is left alone in the next. If none is, ten piles of unlike
+/// balls in 120 find no rest; with 4, two of them, and more balls go through others.
+const LONG_STUCK: u8 = 16;
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
 const TURNS: u32 = 4;
 
@@ -53,8 +62,10 @@ pub(super) struct Short {
 impl Contact {
     /// Notes where bodies that may meet begin a substep. They stand in the order that they have in it.
     pub(super) fn note_room(&mut self) {
-        let Self { setting, bodies, room, team, pairs: true, .. } = self else { return };
-        room.is_needed = setting.may_lack_room() || bodies.iter().any(|body| is_fast(setting, body));
+        let Self { setting, bodies, room, team, near: Some(near), pairs: true, .. } = self else { return };
+        room.is_needed = setting.may_lack_room()
+            || near.weights.differ
+            || bodies.iter().any(|body| is_fast(setting, body));
         if !room.is_needed {
             return;
         }
@@ -72,15 +83,21 @@ impl Contact {
     pub(super) fn keep_to_room(&mut self) {
         self.room.short.clear();
         self.sweep(&[Pass::FIND_DEEP]);
-        let Self { setting, bodies, restitutions, near: Some(near), course, room, .. } = self else { return };
+        let Self { setting, bodies, restitutions, rests, near: Some(near), course, room, .. } = self else {
+            return;
+        };
         let deep: usize = near.stripes.iter().map(|stripe| stripe.deep.len()).sum();
         if near.crowd || deep > bodies.len() {
             // Wherever they went, most would lie in others.
             near.stripes.iter_mut().for_each(|stripe| stripe.deep.clear());
             return;
         }
-        room.find_short(setting, (bodies, restitutions), near, course);
+        room.find_short(setting, (bodies, restitutions, rests), near, course);
         room.go_on(setting, bodies, &near.all());
+        for (at, (rest, body)) in rests.iter_mut().zip(&*bodies).enumerate() {
+            let stays = body.position.distance(room.starts[at]) < DEEPEST * body.radius;
+            rest.stuck = if room.is_short[at] && stays { rest.stuck.saturating_add(1) } else { 0 };
+        }
         if setting.kick != DVec2::ZERO {
             room.pay_for_height(setting, bodies);
         }
@@ -95,11 +112,23 @@ impl Contact {
         if !room.is_needed {
             return false;
         }
-        if course.ended || setting.kick != DVec2::ZERO {
-            return course.ended;
+        if course.ended {
+            return true;
         }
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
-        course.fates.iter().zip(restitutions).any(|(fate, &own)| limits.may_be_spent(fate, own))
+        let mut spent = bodies
+            .iter()
+            .zip(course.fates.iter().zip(restitutions))
+            .filter(|(_, (fate, own))| limits.may_be_spent(fate, **own));
+        if setting.kick != DVec2::ZERO {
+            let (part, kicks) = RAMMING;
+            let rams = |body: &Body| {
+                let slow = (part * body.radius / setting.substep).max(kicks * setting.kick.length());
+                body.velocity.length_squared() > slow * slow
+            };
+            return near.weights.differ && spent.any(|(body, _)| rams(body));
+        }
+        spent.next().is_some()
             || near.holding().any(|(first, second, constraint)| {
                 [first, second].iter().any(|&at| {
                     let push = constraint.impulse * bodies[at].inverse_mass;
@@ -121,15 +150,17 @@ impl Room {
     fn find_short(
         &mut self,
         setting: &Setting,
-        (bodies, restitutions): (&mut [Body], &[f64]),
+        (bodies, restitutions, rests): (&mut [Body], &[f64], &[Rest]),
         near: &mut Near,
         course: &Course,
     ) {
         near.link_pairs(bodies.len());
         let mut found: Vec<usize> = Vec::new();
+        let long_stuck = |at: usize| setting.kick != DVec2::ZERO && rests[at].stuck >= LONG_STUCK;
         let is_deeper = |&Pair { first, second }: &Pair| {
             let (first, second) = (first as usize, second as usize);
-            self.come_into_each_other(bodies, (first, bodies[first].position), second)
+            !(long_stuck(first) || long_stuck(second))
+                && self.come_into_each_other(bodies, (first, bodies[first].position), second)
         };
         for (number, stripe) in near.stripes.iter_mut().enumerate() {
             let start = near.layout.start(number);

@@ -56,13 +56,15 @@ pub(super) struct Rest {
     last: (DVec2, bool),
     /// How often its rest was looked at, and it had none, since it last slept, or woke those that hold it.
     pub(super) restless: u32,
+    /// In how many substeps in a row it has had no room to go on (`room`).
+    pub(super) stuck: u8,
 }
 
 impl Rest {
     pub(super) fn new(body: &Body) -> Self {
         let (own, place) = (body.inverse_mass, body.position);
         let last = (place, false);
-        Self { asleep: false, own, counted: own, anchor: place, swung: false, last, restless: 0 }
+        Self { asleep: false, own, counted: own, anchor: place, swung: false, last, restless: 0, stuck: 0 }
     }
 
     /// The inverse mass with which it takes impacts: 0 where it stands still whatever hits it.
