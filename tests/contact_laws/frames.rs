@@ -1,6 +1,8 @@
 //! Frames evaluate substeps: whatever they are, the result is one, and in free flight that of `exact`.
 
 use super::numbers::random;
+use carom::simulation::ledger::Ledger;
+
 use super::*;
 
 #[test]
@@ -212,4 +214,46 @@ fn balls_are_shown_within_the_walls_between_substeps() {
             assert!(outside < 1e-12, "{substeps:?}, {} s: {outside} of a radius", simulation.time());
         }
     }
+}
+
+/// What a wall holds showed its mean velocity through a substep along the wall, too.
+#[test]
+fn a_ball_that_slides_along_a_wall_is_as_fast_as_gravity_has_made_it() {
+    let world = world(400.0, 100.0, 0.0).with_gravity(DVec2::new(100.0, 980.0)).unwrap();
+    let mut sliding = simulation(world, vec![ball(20.0, 90.0, 10.0)]);
+    for frame in 1..=60 {
+        sliding.advance(FRAME).unwrap();
+        let expected = DVec2::new(100.0 * FRAME * f64::from(frame), 0.0);
+        let found = sliding.balls()[0].velocity();
+        assert!(found.distance(expected) < 1e-9, "frame {frame}: {found} is not {expected}");
+    }
+}
+
+#[test]
+fn a_ball_that_slides_and_hops_between_elastic_walls_keeps_the_laws_that_check_asks_for() {
+    let world = world(20.0, 20.0, 1.0).with_gravity(DVec2::new(-360.0, 912.0)).unwrap();
+    keeps_the_laws(simulation(world, vec![ball(5.0, 14.9, 5.0)]));
+}
+
+#[test]
+fn elastic_balls_that_were_put_into_each_other_keep_the_laws_that_check_asks_for() {
+    let world = World::new(DVec2::splat(28.0)).unwrap().with_pairs(Pairs::Impulse);
+    keeps_the_laws(simulation(world, vec![ball(17.0, 15.0, 9.0), ball(9.0, 8.0, 8.0)]));
+}
+
+fn keeps_the_laws(mut simulation: Simulation) {
+    let mut ledger = Ledger::new(&simulation);
+    for _ in 0..180 {
+        simulation.advance(FRAME).unwrap();
+        ledger.check(&simulation).unwrap();
+    }
+}
+
+#[test]
+fn balls_at_rest_that_were_put_into_each_other_keep_the_laws_that_check_asks_for() {
+    let places =
+        [(68.1, 17.6, 7.1), (91.1, 18.5, 10.0), (80.4, 13.7, 4.8), (93.97, 10.6, 7.3), (93.1, 26.2, 6.1)];
+    let balls = places.map(|(x, y, radius)| ball(x, y, radius).with_restitution(0.7).unwrap());
+    let world = World::new(DVec2::new(103.0, 52.0)).unwrap().with_pairs(Pairs::Impulse);
+    keeps_the_laws(simulation(world, balls.to_vec()));
 }

@@ -9,6 +9,7 @@ use glam::DVec2;
 
 use super::constraints::Marks;
 use super::near::Near;
+use super::show::Held;
 use super::sleep::Rest;
 use super::stripes::{Holder, Stripes};
 use super::{Body, Setting};
@@ -27,7 +28,7 @@ pub(super) struct Resting<'a> {
     pub(super) bodies: &'a [Body],
     pub(super) rests: &'a [Rest],
     /// Whether each is held by others or by a wall.
-    pub(super) held: &'a [bool],
+    pub(super) held: &'a [Held],
     pub(super) stripes: Stripes<'a>,
 }
 
@@ -64,7 +65,7 @@ impl Resting<'_> {
                 continue;
             }
             let grounded = self.grounded(at);
-            if !still || !(self.held[at] || grounded.any()) {
+            if !still || !(self.held[at].any() || grounded.any()) {
                 loads.bears[at] = false;
                 continue;
             }

@@ -76,7 +76,7 @@ use layout::{Layer, Layout};
 use near::Near;
 use parting::Parting;
 use room::Room;
-use show::Start;
+use show::{Held, Start};
 use sleep::Rest;
 use substeps::{Softness, Substeps};
 use support::{give, two};
@@ -151,7 +151,7 @@ pub(super) struct Contact {
     /// Whether balls notice each other.
     pairs: bool,
     /// Whether each body is held by others or by a wall.
-    held: Vec<bool>,
+    held: Vec<Held>,
     course: Course,
     room: Room,
     parting: Parting,

@@ -30,6 +30,21 @@ impl Start {
     }
 }
 
+/// What holds a body.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Held {
+    by_others: bool,
+    /// Across which axes a wall does.
+    by_walls: [bool; 2],
+}
+
+impl Held {
+    /// Whether anything does.
+    pub(super) fn any(self) -> bool {
+        self != Self::default()
+    }
+}
+
 impl Contact {
     /// Notes which bodies are held in the substep that is over.
     pub(super) fn find_held(&mut self, team: &Team) {
@@ -42,11 +57,11 @@ impl Contact {
     pub(super) fn find_held_by_balls(&mut self, team: &Team) {
         let Self { near: Some(near), held, bodies, .. } = self else { return };
         held.clear();
-        held.resize(bodies.len(), false);
-        let find = |(stripe, held): (&mut Stripe, &mut [bool])| {
+        held.resize(bodies.len(), Held::default());
+        let find = |(stripe, held): (&mut Stripe, &mut [Held])| {
             for constraint in stripe.constraints.iter().filter(|constraint| constraint.impulse > 0.0) {
                 for body in [constraint.pair.first, constraint.pair.second] {
-                    held[body as usize] = true;
+                    held[body as usize].by_others = true;
                 }
             }
         };
@@ -62,16 +77,18 @@ impl Contact {
 
     fn find_held_by_walls(&mut self) {
         let Self { near: Some(near), held, .. } = self else { return };
-        for (body, _) in near.beside().filter(|(_, beside)| beside.push != DVec2::ZERO) {
-            held[body] = true;
+        for (body, beside) in near.beside() {
+            held[body].by_walls = [beside.push.x != 0.0, beside.push.y != 0.0];
         }
     }
 
-    /// A body's velocity between the substep that is over and the next.
+    /// A body's velocity between the substep that is over and the next; that through the substep where it is held, which is none
+    /// at rest. Along a wall that alone holds it, it falls.
     pub(super) fn velocity_between(&self, at: usize) -> DVec2 {
         let body = &self.bodies[at];
-        let held = self.held.get(at) == Some(&true);
-        if held { body.velocity } else { body.velocity + 0.5 * body.change(self.setting.kick) }
+        let Held { by_others, by_walls } = self.held.get(at).copied().unwrap_or_default();
+        let falls = by_walls.map(|held| f64::from(u8::from(!(held || by_others))));
+        body.velocity + 0.5 * DVec2::from(falls) * body.change(self.setting.kick)
     }
 
     /// A body where a substep is about to begin.
@@ -91,7 +108,9 @@ impl Contact {
     /// Whether nothing but gravity and impacts moved a body in the substep that is over.
     fn flies(&self, at: usize) -> bool {
         let body = &self.bodies[at];
-        body.inverse_mass > 0.0 && body.velocity == body.free && self.held.get(at) != Some(&true)
+        body.inverse_mass > 0.0
+            && body.velocity == body.free
+            && self.held.get(at).is_none_or(|held| !held.any())
     }
 
     /// A body's position and velocity at the end of the last substep, or after this share of it.
@@ -137,7 +156,7 @@ impl Contact {
     /// beginning. This evaluates, and never writes back. Which bodies others hold must have been found.
     pub(super) fn show(&mut self, frame: &mut Frame<'_>, share: f64) {
         for (hit, &held) in self.hit.iter_mut().zip(&self.held) {
-            *hit |= held;
+            *hit |= held.by_others;
         }
         self.find_held_by_walls();
         if !self.before.is_empty() {
