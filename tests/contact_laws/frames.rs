@@ -251,9 +251,17 @@ fn keeps_the_laws(mut simulation: Simulation) {
 
 #[test]
 fn balls_at_rest_that_were_put_into_each_other_keep_the_laws_that_check_asks_for() {
-    let places =
-        [(68.1, 17.6, 7.1), (91.1, 18.5, 10.0), (80.4, 13.7, 4.8), (93.97, 10.6, 7.3), (93.1, 26.2, 6.1)];
-    let balls = places.map(|(x, y, radius)| ball(x, y, radius).with_restitution(0.7).unwrap());
-    let world = World::new(DVec2::new(103.0, 52.0)).unwrap().with_pairs(Pairs::Impulse);
+    let balls = [
+        (28.847468699338748, 45.38799054713931, 9.047732859347551, 81.86146989411742),
+        (6.942140988904957, 31.576246173226735, 5.828983294639285, 33.97704624918386),
+        (32.1841582679981, 31.015315324633267, 7.489261378185691, 56.089035990783835),
+        (29.738340728446346, 31.015315324633267, 11.261659271553652, 126.82496954857034),
+        (30.039143072624917, 13.713655797206977, 5.540075626078789, 30.69243794267228),
+        (31.587475782124862, 31.015315324633267, 9.412524217875138, 88.59561215208598),
+    ];
+    let balls = balls.map(|(x, y, radius, mass)| {
+        ball(x, y, radius).with_mass(mass).unwrap().with_restitution(0.7).unwrap()
+    });
+    let world = World::new(DVec2::new(41.0, 81.0)).unwrap().with_pairs(Pairs::Impulse);
     keeps_the_laws(simulation(world, balls.to_vec()));
 }
