@@ -41,6 +41,8 @@ impl Parting {
     pub(super) fn begin_again(&mut self, first: u32) {
         if self.left <= 0.0 {
             (self.left, self.first) = (TIME, Some(first));
+            // Those that have not parted in their time carry something: they are not let go of again.
+            self.known.clear();
         }
     }
 
@@ -152,5 +154,19 @@ mod tests {
         assert!(contact.add(&world, &balls));
         contact.find();
         assert_eq!((&contact.parting.known[..], contact.parting.left), (&[0, 1, 4, 5, 6][..], 0.1));
+    }
+
+    #[test]
+    fn what_has_not_parted_in_its_time_gains_no_energy_but_is_not_let_go_of_again() {
+        let (world, mut balls) = two_pairs();
+        let mut contact = Contact::new(&world, &balls, TUNING);
+        contact.find();
+        contact.parting.left = 0.0;
+        contact.find_parting();
+        assert_eq!((&contact.parting.known[..], contact.parting.goes_on()), (&[0, 1][..], true));
+        balls.extend([300.0, 310.0].map(|x| Ball::new(DVec2::new(x, 300.0), 10.0).unwrap()));
+        assert!(contact.add(&world, &balls));
+        contact.find();
+        assert_eq!((&contact.parting.known[..], contact.parting.left), (&[4, 5][..], TIME));
     }
 }

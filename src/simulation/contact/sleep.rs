@@ -56,7 +56,7 @@ pub(super) struct Rest {
     last: (DVec2, bool),
     /// How often its rest was looked at, and it had none, since it last slept, or woke those that hold it.
     pub(super) restless: u32,
-    /// In how many substeps in a row it has had no room to go on (`room`).
+    /// In how many substeps in a row, of those in which room was looked for, it has had none to go on (`room`).
     pub(super) stuck: u8,
 }
 
