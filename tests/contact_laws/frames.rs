@@ -229,6 +229,23 @@ fn a_ball_that_slides_along_a_wall_is_as_fast_as_gravity_has_made_it() {
     }
 }
 
+/// Those that hold each other showed their mean velocity through a substep, half a kick late.
+#[test]
+fn balls_that_hold_each_other_while_they_fall_are_as_fast_as_gravity_has_made_them() {
+    let world = World::new(DVec2::splat(40.0)).unwrap().with_gravity(EARTH).unwrap();
+    let balls = vec![ball(12.0, 18.0, 10.0), ball(14.0, 18.0, 10.0).with_mass(3.0).unwrap()];
+    let mut falling = simulation(world.with_pairs(Pairs::Impulse), balls);
+    for frame in 1..=60 {
+        falling.advance(FRAME).unwrap();
+        let expected = EARTH * (4.0 * FRAME * f64::from(frame));
+        let found = momentum(falling.balls());
+        assert!(
+            found.distance(expected) < 1e-9 * expected.length(),
+            "frame {frame}: {found} is not {expected}"
+        );
+    }
+}
+
 #[test]
 fn a_ball_that_slides_and_hops_between_elastic_walls_keeps_the_laws_that_check_asks_for() {
     let world = world(20.0, 20.0, 1.0).with_gravity(DVec2::new(-360.0, 912.0)).unwrap();

@@ -83,10 +83,13 @@ impl Contact {
     }
 
     /// A body's velocity between the substep that is over and the next; that through the substep where it is held, which is none
-    /// at rest. Along a wall that alone holds it, it falls.
+    /// at rest. Along a wall that alone holds it, it falls, and with others that hold it where nothing carries any.
     pub(super) fn velocity_between(&self, at: usize) -> DVec2 {
         let body = &self.bodies[at];
         let Held { by_others, by_walls } = self.held.get(at).copied().unwrap_or_default();
+        if by_others && !self.setting.is_grounded() {
+            return body.velocity + 0.5 * self.setting.kick;
+        }
         let falls = by_walls.map(|held| f64::from(u8::from(!(held || by_others))));
         body.velocity + 0.5 * DVec2::from(falls) * body.change(self.setting.kick)
     }
