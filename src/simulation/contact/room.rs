@@ -139,7 +139,8 @@ impl Contact {
 }
 
 impl Setting {
-    /// Whether balls are to go no farther than there is room, wherever that is not known. Elsewhere only fast ones are.
+    /// Whether balls are to go no farther than there is room, wherever that is not known. Elsewhere only fast ones are, and unlike
+    /// ones that ram others.
     fn may_lack_room(&self) -> bool {
         self.kick == DVec2::ZERO || self.has_fixed
     }
