@@ -35,6 +35,11 @@ impl Contact {
         (bodies[self.second].velocity - bodies[self.first].velocity).dot(self.offset)
     }
 
+    /// In which direction along its offset it pushes a body: 0 where that is neither of its own.
+    fn side(&self, body: usize) -> f64 {
+        f64::from(u8::from(body == self.first)) - f64::from(u8::from(body == self.second))
+    }
+
     /// Pushes its two balls apart with an impulse of this many times its offset, mass/s.
     fn push(&self, bodies: &mut [Body], impulse: f64) {
         for (index, push) in [(self.first, impulse), (self.second, -impulse)] {
@@ -141,7 +146,7 @@ impl<'a> Impulses<'a> {
         let mut pushing: Vec<usize> = (0..self.list.len()).filter(|&at| self.list[at] > 0.0).collect();
         while !pushing.is_empty() {
             let shorts = pushing.iter().map(|&at| self.short(at, bodies)).collect();
-            let changes = Cholesky::new(&self.gives(&pushing, bodies), pushing.len()).solve(shorts);
+            let changes = Cholesky::new(self.gives(&pushing, bodies), pushing.len()).solve(shorts);
             if !changes.iter().all(|change| change.is_finite()) {
                 return;
             }
@@ -170,11 +175,8 @@ impl<'a> Impulses<'a> {
             let one = &self.contacts[at];
             gives.extend(pushing[..=row].iter().map(|&other| {
                 let other = &self.contacts[other];
-                let shares = [(one.first, 1.0), (one.second, -1.0)].map(|(body, sign)| {
-                    let same =
-                        f64::from(u8::from(body == other.first)) - f64::from(u8::from(body == other.second));
-                    sign * same * bodies[body].inverse_mass
-                });
+                let shares = [one.first, one.second]
+                    .map(|body| one.side(body) * other.side(body) * bodies[body].inverse_mass);
                 one.offset.dot(other.offset) * (shares[0] + shares[1])
             }));
         }

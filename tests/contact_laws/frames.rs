@@ -1,8 +1,8 @@
 //! Frames evaluate substeps: whatever they are, the result is one, and in free flight that of `exact`.
 
-use super::numbers::random;
 use carom::simulation::ledger::Ledger;
 
+use super::numbers::random;
 use super::*;
 
 #[test]

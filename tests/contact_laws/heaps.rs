@@ -18,13 +18,18 @@ fn heap(count: u32, side: f64, height: f64, (restitution, seed): (f64, u64)) -> 
 /// The largest part of its energy at the start that comes back within 90 frames.
 fn energy_back(parting: &mut Simulation) -> f64 {
     let start = energy(parting);
-    let (mut least, mut back) = (start, 0.0_f64);
-    for _ in 0..90 {
+    rise(parting, 90) / start
+}
+
+/// The most by which its energy rises above what it has been within so many frames.
+fn rise(parting: &mut Simulation, frames: u32) -> f64 {
+    let (mut least, mut rise) = (energy(parting), 0.0_f64);
+    for _ in 0..frames {
         parting.advance(FRAME).unwrap();
-        back = back.max(energy(parting) - least);
+        rise = rise.max(energy(parting) - least);
         least = least.min(energy(parting));
     }
-    back / start
+    rise
 }
 
 fn boxed(balls: Vec<Ball>) -> Simulation {
@@ -104,7 +109,7 @@ fn balls_that_part_while_they_fall_keep_their_momentum() {
 }
 
 /// Balls of random sizes and masses in each other, anywhere in a box of this size, walls included.
-fn strewn(number: &mut impl FnMut() -> f64, size: DVec2, speed: f64) -> Vec<Ball> {
+fn strewn(number: &mut impl FnMut() -> f64, size: DVec2, (speed, restitution): (f64, f64)) -> Vec<Ball> {
     let count = 2 + (30.0 * number()) as usize;
     let (radii, masses) = (number() < 0.5, number() < 0.5);
     let middle = size * DVec2::new(number(), number());
@@ -116,7 +121,7 @@ fn strewn(number: &mut impl FnMut() -> f64, size: DVec2, speed: f64) -> Vec<Ball
         let velocity = speed * number() * DVec2::from_angle(number() * std::f64::consts::TAU);
         ball(place.x, place.y, radius).with_mass(mass).unwrap().with_velocity(velocity).unwrap()
     };
-    (0..count).map(|_| next()).collect()
+    (0..count).map(|_| next().with_restitution(restitution).unwrap()).collect()
 }
 
 /// They rise as they part, where there is no room below, which is energy that they had no other way to get: measured, at most
@@ -126,17 +131,11 @@ fn walls_do_not_shoot_away_balls_that_are_put_into_each_other_at_them() {
     let mut number = random(7);
     for heap in 0..400 {
         let size = DVec2::new(200.0 + 600.0 * number(), 150.0 + 300.0 * number());
-        let balls: Vec<Ball> = strewn(&mut number, size, 0.0);
-        let restitution = [0.0, 0.5, 1.0][heap % 3];
-        let balls = balls.into_iter().map(|ball| ball.with_restitution(0.7).unwrap()).collect();
-        let mut parting = simulation(world(size.x, size.y, restitution).with_gravity(EARTH).unwrap(), balls);
+        let balls = strewn(&mut number, size, (0.0, 0.7));
+        let walls = world(size.x, size.y, [0.0, 0.5, 1.0][heap % 3]);
+        let mut parting = simulation(walls.with_gravity(EARTH).unwrap(), balls);
         let scale = EARTH.y * size.y * parting.balls().iter().map(Ball::mass).sum::<f64>();
-        let (mut least, mut back) = (energy(&parting), 0.0_f64);
-        for _ in 0..60 {
-            parting.advance(FRAME).unwrap();
-            back = back.max(energy(&parting) - least);
-            least = least.min(energy(&parting));
-        }
+        let back = rise(&mut parting, 60);
         assert!(back < 0.35 * scale, "heap {heap}: {}", back / scale);
     }
 }
@@ -146,9 +145,7 @@ fn walls_do_not_shoot_away_balls_that_are_put_into_each_other_at_them() {
 fn balls_put_into_each_other_without_walls_keep_their_momentum_and_gain_no_energy() {
     let mut number = random(11);
     for heap in 0..3000 {
-        let restitution = [0.0, 0.5, 1.0][heap % 3];
-        let balls = strewn(&mut number, DVec2::splat(300.0), 100.0).into_iter();
-        let balls: Vec<Ball> = balls.map(|ball| ball.with_restitution(restitution).unwrap()).collect();
+        let balls = strewn(&mut number, DVec2::splat(300.0), (100.0, [0.0, 0.5, 1.0][heap % 3]));
         let world = World::new(DVec2::splat(300.0)).unwrap().with_pairs(Pairs::Impulse);
         let mut parting = simulation(world, balls);
         let (start, had) = (momentum(parting.balls()), energy(&parting));

@@ -52,9 +52,13 @@ fn two_kinds([width, height]: [u32; 2], kinds: [(u32, u32, f64, u32); 2]) -> Sim
             "[[fill]]\ncount = {count}\nradius = {radius}\nmass = {mass}\nrestitution = 0.7\nseed = {seed}\n"
         )
     });
+    filled([width, height], &fills.concat())
+}
+
+/// A box of this size under gravity with what these tables of a scene file say.
+fn filled([width, height]: [u32; 2], fills: &str) -> Simulation {
     let text = format!(
-        "solver = \"contact\"\nsize = [{width}, {height}]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n{}",
-        fills.concat()
+        "solver = \"contact\"\nsize = [{width}, {height}]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n{fills}"
     );
     Scene::parse("mixed", &text).unwrap().build().unwrap()
 }
@@ -121,10 +125,7 @@ fn piles_whose_masses_span_eight_powers_of_ten_come_to_rest() {
             )
         };
         let fills: String = (-4..=4).map(fill).collect();
-        let text = format!(
-            "solver = \"contact\"\nsize = [640, 480]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n{fills}"
-        );
-        let mut pile = Scene::parse("mixed", &text).unwrap().build().unwrap();
+        let mut pile = filled([640, 480], &fills);
         (0..1200).for_each(|_| pile.advance(FRAME).unwrap());
         assert_eq!(fastest(&pile), 0.0, "seed {seed}");
         assert!(overlap(&pile) < 0.02, "seed {seed}: {}", overlap(&pile));

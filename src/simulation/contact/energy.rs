@@ -11,7 +11,7 @@
 use glam::DVec2;
 
 use super::fates::Shift;
-use super::islands::Islands;
+use super::islands::islands;
 use super::sleep::Rest;
 use super::{Body, Contact};
 
@@ -36,7 +36,7 @@ impl Contact {
             keep_of_all(bodies, rests, unheld, setting.kick);
         } else {
             let pairs = near.holding().map(|(first, second, _)| (first, second));
-            for island in Islands::new(bodies.len(), pairs).into_lists() {
+            for island in islands(bodies.len(), pairs) {
                 keep_of_island(bodies, rests, unheld, &island);
             }
         }

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::super::ball::Ball;
 use super::super::{Frame, within};
+use super::fates::Axes;
 use super::layout::Layer;
 use super::near::Near;
 use super::stripes::{Stripe, of_layer};
@@ -35,7 +36,7 @@ impl Start {
 pub(super) struct Held {
     by_others: bool,
     /// Across which axes a wall does.
-    by_walls: [bool; 2],
+    by_walls: Axes,
 }
 
 impl Held {
@@ -78,7 +79,9 @@ impl Contact {
     fn find_held_by_walls(&mut self) {
         let Self { near: Some(near), held, .. } = self else { return };
         for (body, beside) in near.beside() {
-            held[body].by_walls = [beside.push.x != 0.0, beside.push.y != 0.0];
+            for axis in (0..2).filter(|&axis| beside.push[axis] != 0.0) {
+                held[body].by_walls.add(Axes::of(axis));
+            }
         }
     }
 
@@ -90,7 +93,7 @@ impl Contact {
         if by_others && !self.setting.is_grounded() {
             return body.velocity + 0.5 * self.setting.kick;
         }
-        let falls = by_walls.map(|held| f64::from(u8::from(!(held || by_others))));
+        let falls = [0, 1].map(|axis| f64::from(u8::from(!(by_others || by_walls.has(axis)))));
         body.velocity + 0.5 * DVec2::from(falls) * body.change(self.setting.kick)
     }
 
