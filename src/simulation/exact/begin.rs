@@ -36,7 +36,7 @@ impl Exact {
             chatter_time: 2.0 * rest_speed / if strength > 0.0 { strength } else { impacts::EARTH },
             chatter_length: CHATTER_LENGTH * smallest,
             holds: gravity != DVec2::ZERO,
-            ids: (0..balls.len() as u32).collect(),
+            slots: (0..balls.len() as u32).collect(),
             flights: Vec::new(),
             marks: vec![Marks::default(); balls.len()],
             matter: Vec::new(),
@@ -58,11 +58,16 @@ impl Exact {
             found: Vec::new(),
             propped: Vec::new(),
         };
-        if balls.len() > 1 && world.pairs.is_some() {
-            exact.put_in_order(world, balls);
+        let has_pairs = balls.len() > 1 && world.pairs.is_some();
+        if has_pairs {
+            exact.slots = slots_by_place(world, balls);
         }
-        exact.flights = exact.in_order(balls).map(|ball| Flight::new(ball.position, ball.velocity)).collect();
-        exact.matter = exact.in_order(balls).map(Matter::of).collect();
+        let balls = &exact.in_order(balls)[..];
+        if has_pairs {
+            exact.cells = Some(cells_of(world, balls));
+        }
+        exact.flights = balls.iter().map(|ball| Flight::new(ball.position, ball.velocity)).collect();
+        exact.matter = balls.iter().map(Matter::of).collect();
         if exact.overlaps.is_none() && exact.matter.iter().all(|matter| *matter == exact.matter[0]) {
             exact.matter.truncate(1);
         }
@@ -70,20 +75,9 @@ impl Exact {
         exact
     }
 
-    /// Gives neighbours in space neighbouring slots, and makes the cells.
-    fn put_in_order(&mut self, world: &World, balls: &[Ball]) {
-        let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
-        let cells = Cells::new(world, &radii);
-        self.ids.sort_by_cached_key(|&id| cells.morton_code(id as usize, balls[id as usize].position));
-        // Anew, since the balls have another order now.
-        let radii: Vec<f64> = self.in_order(balls).map(|ball| ball.radius).collect();
-        self.cells = Some(Cells::new(world, &radii));
-    }
-
     /// Lays to rest what cannot move: what has no room between walls, and fixed balls, which no impact lifts either.
     fn hold_immovable(&mut self, balls: &[Ball]) {
-        for (slot, &id) in self.ids.iter().enumerate() {
-            let ball = &balls[id as usize];
+        for (slot, ball) in balls.iter().enumerate() {
             for axis in 0..2 {
                 let held = ball.is_fixed() || self.jams(ball.radius, axis);
                 self.marks[slot].set(Marks::rests_on(axis), held);
@@ -93,8 +87,12 @@ impl Exact {
     }
 
     /// The balls by their slots.
-    fn in_order<'a>(&self, balls: &'a [Ball]) -> impl Iterator<Item = &'a Ball> {
-        self.ids.iter().map(|&id| &balls[id as usize])
+    fn in_order(&self, balls: &[Ball]) -> Vec<Ball> {
+        let mut ordered = balls.to_vec();
+        for (ball, &slot) in balls.iter().zip(&self.slots) {
+            ordered[slot as usize] = *ball;
+        }
+        ordered
     }
 
     /// Foresees the first event of each ball, before anything has moved, and returns whether that is done: a crowd at
@@ -115,6 +113,7 @@ impl Exact {
 
     /// Puts all balls into their cells, and finds out which overlap from the beginning.
     fn place_all<N: Needs>(&mut self, balls: &[Ball]) {
+        let balls = self.in_order(balls);
         self.calendar.begin(self.span);
         if let Some(cells) = &mut self.cells {
             for (slot, flight) in self.flights.iter_mut().enumerate() {
@@ -123,7 +122,6 @@ impl Exact {
             }
         }
         if let Some(overlaps) = &mut self.overlaps {
-            let balls: Vec<Ball> = self.ids.iter().map(|&id| balls[id as usize]).collect();
             Grid::new(&balls, self.size).for_each(&balls, |i, j| {
                 // Fixed balls do not notice each other.
                 if !(balls[i as usize].is_fixed() && balls[j as usize].is_fixed()) {
@@ -136,6 +134,22 @@ impl Exact {
             }
         }
     }
+}
+
+/// A slot for each ball: those of neighbours in space are neighbours in memory.
+fn slots_by_place(world: &World, balls: &[Ball]) -> Vec<u32> {
+    let cells = cells_of(world, balls);
+    let mut ids: Vec<u32> = (0..balls.len() as u32).collect();
+    ids.sort_by_cached_key(|&id| cells.morton_code(id as usize, balls[id as usize].position));
+    let mut slots = vec![0; balls.len()];
+    (0..).zip(ids).for_each(|(slot, id)| slots[id as usize] = slot);
+    slots
+}
+
+/// Empty cells for these balls.
+fn cells_of(world: &World, balls: &[Ball]) -> Cells {
+    let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+    Cells::new(world, &radii)
 }
 
 /// The acceleration of a ball by the axes on which it rests.
