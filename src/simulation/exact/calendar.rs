@@ -258,6 +258,16 @@ impl Calendar {
         self.today.pop_if(|entry| entry.time <= until)
     }
 
+    /// Takes an event out where it is the next of the open day; whether it was.
+    #[inline]
+    pub(super) fn strike_out(&mut self, event: Entry) -> bool {
+        let comes_next = self.today.last() == Some(&event);
+        if comes_next {
+            self.today.pop();
+        }
+        comes_next
+    }
+
     #[cold]
     fn next_with_late(&mut self, until: f64) -> Option<Entry> {
         let late = self.late.peek().map(|late| late.0);

@@ -112,8 +112,7 @@ impl Exact {
         if now > self.instant + INSTANT {
             (self.instant, self.at_once) = (now, 0);
         }
-        self.at_once += 1;
-        self.credit = (self.credit + 1).min(MOST_CREDIT);
+        self.count_event();
         let flight = &self.flights[slot];
         if flight.event != now {
             return;
@@ -133,16 +132,28 @@ impl Exact {
                 // Both must still have each other ahead.
                 if theirs.impact == now && theirs.against.target() == Target::Ball(slot) {
                     self.hits += 2;
+                    // Both wrote it down.
+                    let both = self.calendar.strike_out(Entry { time: now, ball: other as u32 });
                     if N::DETECT {
                         self.pass::<N>(slot, other, now);
                     } else {
                         self.collide::<N>(tally, slot, other, now);
+                    }
+                    if both {
+                        self.count_event();
                     }
                 } else {
                     self.foresee::<N>(slot, now);
                 }
             }
         }
+    }
+
+    /// Counts an event at the present time.
+    #[inline]
+    fn count_event(&mut self) {
+        self.at_once += 1;
+        self.credit = (self.credit + 1).min(MOST_CREDIT);
     }
 
     /// Moves the origin of time on by `time`, to a moment of the calendar, and begins a year there, as long as the last
