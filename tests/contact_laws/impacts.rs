@@ -162,3 +162,58 @@ fn a_ball_that_has_come_to_rest_on_the_floor_meets_it_no_more_whatever_gravity()
         assert!(hits.abs_diff(law) <= 1, "{hits} impacts under {pull} px/s², not {law}");
     }
 }
+
+/// Ten thousand times as heavy, it comes so near to the wall with the light one in between that a substep does not take all of
+/// their impacts. They lose time then, and what is elsewhere does not: all fast balls stood still meanwhile.
+#[test]
+fn a_jam_costs_no_time_where_it_is_not() {
+    let light = ball(20.0, 100.0, 5.0);
+    let heavy = moving(ball(200.0, 100.0, 20.0), -500.0, 0.0).with_mass(1e8).unwrap();
+    let (height, speed, radius) = (200.0, 7000.0, 5.0);
+    let fast = moving(ball(1500.0, radius, radius), 0.0, speed);
+    for gravity in [0.0, 1e-9] {
+        let world = world(2000.0, height, 1.0).with_gravity(DVec2::new(0.0, gravity)).unwrap();
+        let begun = simulation(world, vec![light, heavy, fast]);
+        for mut simulation in both_ways(&begun) {
+            for frame in 1..=60 {
+                simulation.advance(FRAME).unwrap();
+                // Unfolded at the walls.
+                let (way, room) = (speed * FRAME * f64::from(frame), height - 2.0 * radius);
+                let from_turn = way.rem_euclid(2.0 * room);
+                let law = radius + from_turn.min(2.0 * room - from_turn);
+                let y = simulation.balls()[2].position().y;
+                assert!((y - law).abs() < 1e-3, "frame {frame}: {y} for {law}");
+            }
+            assert!(simulation.balls()[1].velocity().x > 0.0, "it was turned back");
+        }
+    }
+}
+
+/// It is not when the substep begins, and ended in another one, 2.6 of its radii deep.
+#[test]
+fn what_becomes_fast_in_a_substep_of_a_jam_ends_in_no_other() {
+    let places = [
+        (175.419_476_471_996_18, 109.337_089_084_926_78, 3.770_813_485_509_162),
+        (312.568_775_330_064_7, 74.537_139_674_950_2, 71.686_494_534_692_49),
+        (546.578_938_945_367_2, 40.703_937_591_731_865, 1.048_739_794_336_077_4),
+        (347.957_807_945_292_2, 222.930_579_920_820_86, 1.878_811_911_816_329_8),
+        (76.796_890_162_570_83, 77.866_529_179_093_06, 56.393_356_216_442_54),
+    ];
+    let velocities = [
+        (-895.501_368_037_201, 28.200_213_591_875_652),
+        (7_337.375_513_671_24, 15_371.277_371_662_874),
+        (154.298_853_153_914_48, -195.659_967_646_995_46),
+        (-386.279_273_927_959_1, 223.755_180_220_072_76),
+        (11_519.448_310_277_401, -6_843.767_823_360_492),
+    ];
+    let balls = places.iter().zip(velocities).map(|(&(x, y, radius), (along, down))| {
+        let ball = moving(ball(x, y, radius), along, down).with_restitution(0.9).unwrap();
+        ball.with_mass(radius * radius).unwrap()
+    });
+    let world = world(611.458_242_846_804_6, 227.391_331_353_486_15, 0.5).with_gravity(EARTH).unwrap();
+    let mut simulation = simulation(world, balls.collect());
+    for substep in 1..=60 {
+        simulation.advance(1.0 / 240.0).unwrap();
+        assert!(overlap(&simulation) < 0.1, "{} after {substep}", overlap(&simulation));
+    }
+}

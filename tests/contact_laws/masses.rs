@@ -114,10 +114,11 @@ fn a_pile_whose_masses_do_not_follow_its_sizes_gets_no_energy_from_nowhere() {
     }
 }
 
-/// Light balls that heavy ones press on kept all fast ones where they were, in each substep again, for ever.
+/// Light balls that heavy ones press on kept all fast ones where they were, in each substep again, for ever; in the last two, one
+/// that had no room for long was kept where it was, and nothing else could move.
 #[test]
 fn piles_whose_masses_span_eight_powers_of_ten_come_to_rest() {
-    for seed in [24, 42, 98] {
+    for seed in [24, 42, 98, 80, 97] {
         let fill = |decade: i32| {
             let (mass, seed) = (10_f64.powi(decade), seed + 1000 * (decade + 4));
             format!(

@@ -42,6 +42,8 @@ pub(super) struct Fate {
     /// Whether it is too slow to hit firmly those that it presses on.
     pub(super) slow: bool,
     pub(super) fast: bool,
+    /// Whether the substep has ended for it, if it is fast (`ending`).
+    pub(super) ended: bool,
     pub(super) shift: Shift,
     /// Across which axes it came to rest on a wall that nothing but gravity presses it on.
     pub(super) landed: Axes,
@@ -129,9 +131,9 @@ pub(super) struct Limits {
     crowd: bool,
     /// How many pairs of balls in a crowd may be looked at.
     looks: usize,
-    /// Whether a fast one was hit so often that the substep ends for all of them.
+    /// Whether a fast one was hit so often that the substep ends for it.
     pub(super) exhausted: bool,
-    /// Whether it has.
+    /// Whether it has ended for any.
     pub(super) ended: bool,
 }
 

@@ -5,12 +5,13 @@
 //! where it was at τ: later impacts of the same substep, and its end, come out right.
 //!
 //! A ball that was hit a few times in a substep is left to what supports it (`fates`). A fast one could go through others
-//! then, so it may be hit much more often, and where that is not enough, the substep ends for all fast balls there and
-//! then (continuous collision detection): they lose time, never their speed, and go through nothing.
+//! then, so it may be hit much more often, and where that is not enough, the substep ends for it and for those around it
+//! (continuous collision detection; `ending`).
 
 use std::collections::BinaryHeap;
 
 use super::constraints::Marks;
+use super::ending::end;
 use super::events::{Event, Spot, What};
 use super::fates::{DEEP_IN_CROWD, Fate, Limits, Shift, is_fast};
 use super::legs::Leg;
@@ -164,7 +165,7 @@ impl Stage<'_> {
     pub(super) fn foresee_fast_wall(&mut self, body: usize) {
         let fate = self.fates[body];
         if fate.fast
-            && !self.limits.ended
+            && !fate.ended
             && let Some((time, axis)) = first_wall(self.setting, &self.bodies[body], fate.time)
         {
             let what = What::FastWall(body as u32, axis as u8);
@@ -217,7 +218,7 @@ impl Stage<'_> {
         let fast = first.fast || second.fast;
         let least = self.limits.least(first.shift.max(second.shift));
         let enough = if fast {
-            self.limits.ended
+            first.ended || second.ended
         } else {
             first.hits.max(second.hits) >= least && self.is_either_spent(bodies, states)
         };
@@ -267,8 +268,9 @@ impl Stage<'_> {
         match event.what {
             What::Pair(spot) => {
                 let (i, j) = pair(spot, stripes);
-                let fast = self.fates[i].fast || self.fates[j].fast;
-                if fast && self.limits.ended {
+                let [one, other] = [i, j].map(|body| self.fates[body]);
+                let fast = one.fast || other.fast;
+                if fast && (one.ended || other.ended) {
                     return [None; 2];
                 }
                 let firm = stripes.list[spot.stripe as usize].firm(spot.at as usize, self.setting);
@@ -286,8 +288,8 @@ impl Stage<'_> {
             What::Wall(spot) => {
                 let beside = stripes.list[spot.stripe as usize].beside[spot.at as usize];
                 let body = stripes.layout.start(spot.stripe as usize) + beside.body as usize;
-                let Fate { time: since, fast, .. } = self.fates[body];
-                if fast && self.limits.ended {
+                let Fate { time: since, fast, ended, .. } = self.fates[body];
+                if fast && ended {
                     return [None; 2];
                 }
                 let before = self.bodies[body];
@@ -307,7 +309,7 @@ impl Stage<'_> {
             }
             What::FastWall(body, axis) => {
                 let body = body as usize;
-                if self.limits.ended {
+                if self.fates[body].ended {
                     return [None; 2];
                 }
                 let ball = (&mut self.bodies[body], self.rests[body].in_impacts());
@@ -333,28 +335,14 @@ impl Stage<'_> {
         fate.hits += 1;
         fate.time = time;
         let was_fast = fate.fast;
-        fate.fast = is_fast(setting, &bodies[at]) || (was_fast && limits.ended);
+        fate.fast = is_fast(setting, &bodies[at]) || (was_fast && fate.ended);
         fate.shift.raise(Shift::Far, was_fast || fate.fast);
-        if fate.fast && limits.ended {
+        if fate.fast && fate.ended {
             end(setting, &mut bodies[at], time);
         }
         limits.exhausted |= limits.exhausts(fate);
         if let Some(legs) = &mut self.legs {
             legs.push(Leg::of(at, &bodies[at], time));
-        }
-    }
-
-    /// Ends the substep at `time` for all fast balls, and for those that they have hit again and again: a heavy one that
-    /// went on would go through what is about to turn it back.
-    pub(super) fn end_fast(&mut self, time: f64) {
-        let Self { setting, bodies, fates, limits, .. } = self;
-        limits.ended = true;
-        for (body, fate) in bodies.iter_mut().zip(&mut **fates) {
-            fate.fast |= fate.shift == Shift::Far && fate.hits >= limits.most_far;
-            if fate.fast {
-                // Not before it was last hit, by a stripe by itself.
-                end(setting, body, time.max(fate.time));
-            }
         }
     }
 }
@@ -372,15 +360,4 @@ pub(super) fn pair(spot: Spot, stripes: &Stripes<'_>) -> (usize, usize) {
 fn beside(spot: Spot, stripes: &Stripes<'_>) -> usize {
     let beside = stripes.list[spot.stripe as usize].beside[spot.at as usize];
     stripes.layout.start(spot.stripe as usize) + beside.body as usize
-}
-
-/// Ends a body's substep at `time`. Gravity does not work on it any more either: it would gain what it does not fall.
-fn end(setting: &Setting, body: &mut Body, time: f64) {
-    let place = body.position + body.velocity * time;
-    if body.inverse_mass > 0.0 {
-        let left_out = setting.kick * (1.0 - time / setting.substep);
-        body.velocity -= left_out;
-        body.free -= left_out;
-    }
-    body.position = place - body.velocity * setting.substep;
 }

@@ -7,7 +7,7 @@
 //!    `constraints`, `order`; of single balls `cover`), and what balls weigh where they are held, where masses
 //!    differ (`weights`);
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `stripe_turn`, `rewind`, `events`,
-//!    `fates`, `impacts`, `meeting`, `together`, `walls`);
+//!    `fates`, `impacts`, `ending`, `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
 //!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`);
 //!    what counts as heavier than it is, and is fast, is slowed down before;
@@ -32,6 +32,7 @@ mod body;
 mod carry;
 mod constraints;
 mod cover;
+mod ending;
 mod energy;
 mod events;
 mod fates;
@@ -150,7 +151,7 @@ pub(super) struct Contact {
     team: Team,
     /// Whether balls notice each other.
     pairs: bool,
-    /// Whether each body is held by others or by a wall.
+    /// What holds each body.
     held: Vec<Held>,
     course: Course,
     room: Room,

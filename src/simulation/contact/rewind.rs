@@ -140,6 +140,10 @@ impl Past<'_> {
         let stripe = &stripes.list[spot.stripe as usize];
         let pair = stripe.pairs[spot.at as usize].from(stripes.layout.start(spot.stripe as usize));
         let other = if pair.first as usize == body { pair.second } else { pair.first } as usize;
+        // When the substep was ended for fast ones, none of them is where it was any more.
+        if stage.fates[body].ended || stage.fates[other].ended {
+            return Ok(None);
+        }
         let presses = stage.setting.kick != DVec2::ZERO && stripe.marks[spot.at as usize].has(Marks::HELD);
         if presses && stage.restitutions[body].min(stage.restitutions[other]) < 1.0 {
             // They are held apart, whichever impact comes first, and what that takes of their energy is no loss.
@@ -199,7 +203,7 @@ impl Past<'_> {
         stripes: &mut Stripes<'_>,
     ) -> Result<Vec<usize>, Elsewhere> {
         let mut all = Vec::new();
-        if let Err(elsewhere) = self.find_all(body, impact, stripes, &mut all) {
+        if let Err(elsewhere) = self.find_all(body, impact, stage.fates, stripes, &mut all) {
             for (stripe, at) in all {
                 stripes.list[stripe].taken[at].is_undone = false;
             }
@@ -232,6 +236,7 @@ impl Past<'_> {
         &self,
         body: usize,
         impact: Spot,
+        fates: &[Fate],
         stripes: &mut Stripes<'_>,
         all: &mut Vec<(usize, usize)>,
     ) -> Result<(), Elsewhere> {
@@ -252,7 +257,8 @@ impl Past<'_> {
                 let mut last = Self::NOTHING;
                 for side in taken.sides.iter().flatten() {
                     let its = (side.body as usize).checked_sub(self.start);
-                    let its = its.filter(|&its| its < self.lasts.len()).ok_or(Elsewhere)?;
+                    let goes_on = |&its: &usize| fates.get(its).is_some_and(|fate| !fate.ended);
+                    let its = its.filter(goes_on).ok_or(Elsewhere)?;
                     if its == body {
                         last = side.last;
                     } else if is_new {

@@ -13,7 +13,7 @@ use glam::DVec2;
 
 use super::super::within;
 use super::constraints::Pair;
-use super::fates::{Limits, is_fast};
+use super::fates::Limits;
 use super::layout::{Layer, Layout};
 use super::near::Near;
 use super::sleep::Rest;
@@ -31,17 +31,18 @@ const PUSHED: f64 = 0.125;
 /// it may have, and is faster than so many of gravity's kicks, may go through others: they are too light to turn it back. What
 /// only sinks among light ones is slower.
 const RAMMING: (f64, f64) = (0.05, 50.0);
-/// Under gravity a ball that had no room in so many substeps in a row is left alone in the next. If none is, ten piles of unlike
-/// balls in 120 find no rest; with 4, two of them, and more balls go through others.
+/// Under gravity a ball that had no room in so many substeps in a row in which any was looked for is left alone in the next, with
+/// those that do not ram it. If none is, ten piles of unlike balls in 120 find no rest; with 4, two of them, and more balls go
+/// through others.
 const LONG_STUCK: u8 = 16;
+/// The same with those that do: if never, five piles in 240 find no rest; with 48, a quarter more tubes let one through.
+const LONG_RAMMED: u8 = 96;
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
 const TURNS: u32 = 4;
 
 /// Who has how much room.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Room {
-    /// Whether any may lack it in this substep.
-    is_needed: bool,
     /// Where each body began the substep.
     pub(super) starts: Vec<DVec2>,
     /// Those that may not go all their way, in the order of their numbers.
@@ -62,13 +63,7 @@ pub(super) struct Short {
 impl Contact {
     /// Notes where bodies that may meet begin a substep. They stand in the order that they have in it.
     pub(super) fn note_room(&mut self) {
-        let Self { setting, bodies, room, team, near: Some(near), pairs: true, .. } = self else { return };
-        room.is_needed = setting.may_lack_room()
-            || near.weights.differ
-            || bodies.iter().any(|body| is_fast(setting, body));
-        if !room.is_needed {
-            return;
-        }
+        let Self { bodies, room, team, pairs: true, .. } = self else { return };
         let layout = Layout::of(bodies.len());
         room.starts.resize(bodies.len(), DVec2::ZERO);
         let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
@@ -90,6 +85,7 @@ impl Contact {
         if near.crowd || deep > bodies.len() {
             // Wherever they went, most would lie in others.
             near.stripes.iter_mut().for_each(|stripe| stripe.deep.clear());
+            rests.iter_mut().for_each(|rest| rest.stuck = 0);
             return;
         }
         room.find_short(setting, (bodies, restitutions, rests), near, course);
@@ -105,15 +101,14 @@ impl Contact {
 
     /// Whether any body may go where nothing was looked for in its way.
     pub(super) fn any_unfollowed(&self) -> bool {
-        let Self { setting, bodies, restitutions, course, room, near: Some(near), pairs: true, .. } = self
-        else {
+        let Self { setting, bodies, restitutions, course, near: Some(near), pairs: true, .. } = self else {
             return false;
         };
-        if !room.is_needed {
-            return false;
-        }
         if course.ended {
             return true;
+        }
+        if !(setting.may_lack_room() || near.weights.differ) {
+            return false;
         }
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
         let mut spent = bodies
@@ -121,12 +116,7 @@ impl Contact {
             .zip(course.fates.iter().zip(restitutions))
             .filter(|(_, (fate, own))| limits.may_be_spent(fate, **own));
         if setting.kick != DVec2::ZERO {
-            let (part, kicks) = RAMMING;
-            let rams = |body: &Body| {
-                let slow = (part * body.radius / setting.substep).max(kicks * setting.kick.length());
-                body.velocity.length_squared() > slow * slow
-            };
-            return near.weights.differ && spent.any(|(body, _)| rams(body));
+            return near.weights.differ && spent.any(|(body, _)| setting.rams(body));
         }
         spent.next().is_some()
             || near.holding().any(|(first, second, constraint)| {
@@ -144,6 +134,13 @@ impl Setting {
     fn may_lack_room(&self) -> bool {
         self.kick == DVec2::ZERO || self.has_fixed
     }
+
+    /// Whether a ball that goes on like this after its impacts may go through others.
+    fn rams(&self, body: &Body) -> bool {
+        let (part, kicks) = RAMMING;
+        let slow = (part * body.radius / self.substep).max(kicks * self.kick.length());
+        body.velocity.length_squared() > slow * slow
+    }
 }
 
 impl Room {
@@ -157,10 +154,13 @@ impl Room {
     ) {
         near.link_pairs(bodies.len());
         let mut found: Vec<usize> = Vec::new();
-        let long_stuck = |at: usize| setting.kick != DVec2::ZERO && rests[at].stuck >= LONG_STUCK;
+        let is_left = |at: usize, other: usize| {
+            let long = if setting.rams(&bodies[other]) { LONG_RAMMED } else { LONG_STUCK };
+            setting.kick != DVec2::ZERO && rests[at].stuck >= long
+        };
         let is_deeper = |&Pair { first, second }: &Pair| {
             let (first, second) = (first as usize, second as usize);
-            !(long_stuck(first) || long_stuck(second))
+            !(is_left(first, second) || is_left(second, first))
                 && self.come_into_each_other(bodies, (first, bodies[first].position), second)
         };
         for (number, stripe) in near.stripes.iter_mut().enumerate() {

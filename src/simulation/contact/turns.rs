@@ -9,6 +9,7 @@
 use std::collections::BinaryHeap;
 use std::mem::take;
 
+use super::ending::{end_exhausted, end_with_others};
 use super::events::{Event, Spot};
 use super::fates::{Fate, Limits};
 use super::impacts::Stage;
@@ -31,7 +32,7 @@ pub(super) struct Course {
     lasts: Vec<Spot>,
     /// Those that are foreseen in the last.
     queue: BinaryHeap<Event>,
-    /// Whether it was ended for fast bodies.
+    /// Whether it was ended for any fast bodies.
     pub(super) ended: bool,
     /// What they have bodies go along, where a frame asks for it.
     pub(super) legs: Legs,
@@ -104,8 +105,11 @@ impl Contact {
         }
         *ended = stage.limits.ended;
         if *ended {
-            // For fast balls the substep was over then.
-            legs.list.retain(|leg| !fates[leg.body as usize].fast);
+            // For fast ones there the substep was over then.
+            legs.list.retain(|leg| {
+                let fate = &fates[leg.body as usize];
+                !(fate.fast && fate.ended)
+            });
         }
     }
 
@@ -191,15 +195,11 @@ fn take_left(stage: &mut Stage<'_>, near: &mut Near, mut past: Past<'_>) {
 
 /// Foresees what comes of bodies that were struck, from when on, and takes back what they forestall.
 fn go_on(stage: &mut Stage<'_>, near: &mut Near, past: &mut Past<'_>, struck: &mut Vec<(usize, f64)>) {
-    for &(body, _) in &*struck {
+    for &(body, time) in &*struck {
         near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
+        end_with_others(stage, near, body, time);
     }
     while let Some((body, time)) = struck.pop() {
-        // When the substep was ended for fast bodies, none of them is where it was any more.
-        if stage.limits.ended {
-            stage.foresee(body, &mut near.all(), |_, _| ());
-            continue;
-        }
         // All is known here.
         let _ = past.foresee(body, time, stage, &mut near.all(), struck);
     }
@@ -229,9 +229,7 @@ fn take_all(stage: &mut Stage<'_>, near: &mut Near) {
 /// The next impact that holds.
 fn next(stage: &mut Stage<'_>, near: &mut Near) -> Option<Event> {
     while let Some(event) = stage.queue.pop() {
-        if stage.limits.exhausted && !stage.limits.ended {
-            stage.end_fast(event.time);
-        }
+        end_exhausted(stage, near, event.time);
         if stage.still_holds(&event, Stage::bodies_of(&event, &near.all())) {
             return Some(event);
         }
@@ -243,6 +241,7 @@ fn next(stage: &mut Stage<'_>, near: &mut Near) -> Option<Event> {
 fn foresee(stage: &mut Stage<'_>, near: &mut Near, hit: impl Iterator<Item = usize> + Clone) {
     for body in hit.clone() {
         near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
+        end_with_others(stage, near, body, stage.fates[body].time);
     }
     for body in hit {
         stage.foresee(body, &mut near.all(), |_, _| ());
