@@ -51,6 +51,8 @@ fn start(row: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
 
     #[test]
@@ -68,10 +70,28 @@ mod tests {
         }
     }
 
+    /// The matrix of all scalar products of these, row by row up to the diagonal.
+    fn products(of: &[DVec2]) -> Vec<f64> {
+        of.iter().enumerate().flat_map(|(row, one)| of[..=row].iter().map(|other| one.dot(*other))).collect()
+    }
+
     #[test]
     fn rows_that_others_add_up_to_are_left_out() {
-        // [1 0], [0 2] and their sum, multiplied with each other.
-        let solution = Cholesky::new(vec![1.0, 0.0, 4.0, 1.0, 4.0, 5.0], 3).solve(vec![3.0, 8.0, 11.0]);
+        let [one, other] = [DVec2::X, 2.0 * DVec2::Y];
+        let solution = Cholesky::new(products(&[one, other, one + other]), 3).solve(vec![3.0, 8.0, 11.0]);
         assert_eq!(solution, [3.0, 2.0, 0.0]);
+    }
+
+    #[test]
+    fn rows_that_others_add_up_to_but_for_rounding_are_left_out() {
+        for turn in 1..100 {
+            let [one, other] = [0.7, 1.9].map(|angle| DVec2::from_angle(angle * f64::from(turn)));
+            let rows = [one, other, 0.3 * one - 0.6 * other];
+            let right = rows.map(|row| row.dot(one));
+            let solution = Cholesky::new(products(&rows), 3).solve(right.to_vec());
+            assert_eq!(solution[2], 0.0, "turn {turn}: {solution:?}");
+            let sum = rows[0] * solution[0] + rows[1] * solution[1];
+            assert!(sum.abs_diff_eq(one, 1e-9), "turn {turn}: {solution:?}");
+        }
     }
 }

@@ -74,7 +74,7 @@ const ROUNDED: f64 = 1e-12;
 /// changed, where the impulses do not settle, as with masses that are too unequal.
 ///
 /// The linear complementarity problem is solved by projected Gauss–Seidel sweeps, and where these are slow with steps to the
-/// solution for those contacts that push (Silcowitz, Niebe & Erleben 2010), to rounding.
+/// solution for those contacts that push (Silcowitz, Niebe & Erleben 2010), to the rounding of the heaviest's momentum.
 pub(super) fn exchange(bodies: &mut [Body], contacts: &[Contact]) -> Option<usize> {
     let before = bodies.to_vec();
     let mut impulses = Impulses::new(bodies, contacts);
@@ -150,21 +150,16 @@ impl<'a> Impulses<'a> {
             if !changes.iter().all(|change| change.is_finite()) {
                 return;
             }
-            // Only until the first one of them would pull.
-            let ends = |(&at, &change): (&usize, &f64)| {
-                if change < 0.0 { self.list[at] / -change } else { f64::INFINITY }
-            };
-            let ends: Vec<f64> = pushing.iter().zip(&changes).map(ends).collect();
-            let part = ends.iter().copied().fold(1.0, f64::min);
-            for ((&at, change), end) in pushing.iter().zip(&changes).zip(ends) {
-                let impulse = if end <= part { 0.0 } else { (self.list[at] + part * change).max(0.0) };
+            let before = pushing.len();
+            for (&at, change) in pushing.iter().zip(changes) {
+                let impulse = (self.list[at] + change).max(0.0);
                 self.contacts[at].push(bodies, impulse - self.list[at]);
                 self.list[at] = impulse;
             }
-            if part == 1.0 {
+            pushing.retain(|&at| self.list[at] > 0.0);
+            if pushing.len() == before {
                 return;
             }
-            pushing.retain(|&at| self.list[at] > 0.0);
         }
     }
 

@@ -6,7 +6,7 @@
 //! is held by where it will be, which may ask for more speed than is taken away again. So where there are such balls, those
 //! that become faster by what holds them take together no more than it takes from others. Where nothing carries any, they keep
 //! their momentum: those that hold each other move against each other with no more energy than they would. Impacts see to
-//! their own energy.
+//! their own energy. Where something carries balls, all share one account: which of them it carries is not looked for.
 
 use glam::DVec2;
 

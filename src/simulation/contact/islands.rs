@@ -8,11 +8,19 @@ pub(super) fn islands(balls: usize, pairs: impl Iterator<Item = (usize, usize)>)
         let (one, other) = (root(&mut towards, first), root(&mut towards, second));
         towards[one.max(other)] = one.min(other);
     }
-    let mut islands = vec![Vec::new(); balls];
+    // The first of an island stands for it.
+    let mut islands: Vec<Vec<usize>> = Vec::new();
+    let mut places = vec![None; balls];
     for ball in 0..balls {
-        islands[root(&mut towards, ball)].push(ball);
+        let first = root(&mut towards, ball);
+        if first != ball {
+            let place = *places[first].get_or_insert_with(|| {
+                islands.push(vec![first]);
+                islands.len() - 1
+            });
+            islands[place].push(ball);
+        }
     }
-    islands.retain(|island| island.len() > 1);
     islands
 }
 

@@ -3,8 +3,8 @@
 //! What holds balls apart goes on doing so in the next substep, which is right for a load, and not for an overlap: that is to
 //! go away, with what was given for it, and balls deep in many others would be shot out of these. So for half a second after
 //! balls were put somewhere, those that lie deep in others are let go of after each substep. Then most have parted, and those
-//! that have not are held as if they lay on each other. Until all have, they gain no energy (`energy`). Which balls that is is
-//! found with all pairs, now and then.
+//! that have not are held as if they lay on each other. Until all have, or others are added, they gain no energy (`energy`).
+//! Which balls that is is found with all pairs, now and then.
 
 use super::Contact;
 use super::prepare::let_go;
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_not_parted_in_its_time_gains_no_energy_but_is_not_let_go_of_again() {
+    fn what_has_not_parted_in_its_time_is_guarded_until_others_are_added_and_not_let_go_of_again() {
         let (world, mut balls) = two_pairs();
         let mut contact = Contact::new(&world, &balls, TUNING);
         contact.find();

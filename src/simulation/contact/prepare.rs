@@ -364,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn a_list_stands_until_a_mark_that_it_follows_changes_or_a_hold_is_added() {
+    fn a_list_stands_until_a_mark_that_it_follows_changes_or_a_constraint_is_added() {
         let (followed, mut marks) = (&mut Followed::default(), vec![Marks::CLOSE; 40]);
         let mut stands =
             |marks: &[Marks], constraints| followed.stands(marks, Marks::CLOSE | Marks::LIVE, constraints);
