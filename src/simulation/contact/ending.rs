@@ -78,21 +78,22 @@ impl Stage<'_> {
         from.distance(to) <= reach + way + their_way
     }
 
-    /// Where a ball is at `time`, and how far it still goes in this substep.
+    /// Where a ball is at `time`, and how far it still goes in this substep, seen from what moves with all.
     fn left_to(&self, at: usize, time: f64) -> (DVec2, f64) {
         let (body, fate, substep) = (&self.bodies[at], &self.fates[at], self.setting.substep);
         if fate.ended && fate.fast {
-            (body.end(substep), 0.0)
+            (body.end(substep) - self.setting.common * (substep - time), 0.0)
         } else {
-            (body.end(time), body.velocity.length() * (substep - time))
+            (body.end(time), body.velocity.distance(self.setting.common) * (substep - time))
         }
     }
 }
 
-/// Ends a body's substep at `time`. Gravity does not work on it any more either: it would gain what it does not fall.
+/// Ends a body's substep at `time`. Gravity does not work on it any more either: it would gain what it does not fall; unless it
+/// falls with all others.
 pub(super) fn end(setting: &Setting, body: &mut Body, time: f64) {
-    let place = body.end(time);
-    if body.inverse_mass > 0.0 {
+    let place = body.end(time) + setting.common * (setting.substep - time);
+    if body.inverse_mass > 0.0 && setting.is_grounded() {
         let left_out = setting.kick * (1.0 - time / setting.substep);
         body.velocity -= left_out;
         body.free -= left_out;

@@ -21,7 +21,8 @@ impl Contact {
         let Self { setting, bodies, near: Some(near), course, parting, unheld, .. } = self else { return };
         let far = || course.fates.iter().any(|fate| fate.shift == Shift::Far);
         unheld.clear();
-        if near.weights.differ || parting.goes_on() || (setting.kick == DVec2::ZERO && far()) {
+        let falls = || setting.kick != DVec2::ZERO && !setting.is_grounded();
+        if near.weights.differ || parting.goes_on() || falls() || (setting.kick == DVec2::ZERO && far()) {
             unheld.extend(bodies.iter().map(|body| body.free));
         }
     }

@@ -211,7 +211,7 @@ fn hits_that_leave(part: f64, restitution: f64, most: u16) -> u16 {
 /// Whether a body goes so far in a substep that it could go through others.
 pub(super) fn is_fast(setting: &Setting, body: &Body) -> bool {
     let far = FAST * body.radius / setting.substep;
-    body.velocity.length_squared() > far * far
+    body.velocity.distance_squared(setting.common) > far * far
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Balls that hold each other, directly or through others.
+//! Balls that hold each other, or may come to each other, directly or through others.
 
 /// The islands of more than one ball that pairs of so many balls make of these (disjoint-set forest; Galler & Fischer 1964).
 pub(super) fn islands(balls: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<Vec<usize>> {

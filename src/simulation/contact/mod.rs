@@ -12,7 +12,7 @@
 //!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`);
 //!    what counts as heavier than it is, and is fast, is slowed down before;
 //! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
-//!    those that would end in others go only as far as there is room (`room`, `barred`); unlike ones are kept from gaining
+//!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); unlike ones are kept from gaining
 //!    energy, and so are those that were put into each other, until they have parted (`energy`, `islands`, `parting`), and
 //!    those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
@@ -30,6 +30,7 @@ mod advance;
 mod barred;
 mod body;
 mod carry;
+mod centre;
 mod constraints;
 mod cover;
 mod ending;
@@ -108,6 +109,9 @@ struct Setting {
     can_rest: bool,
     /// Whether any ball is fixed.
     has_fixed: bool,
+    /// The velocity through the substep that all balls have in common, px/s, where nothing carries any: how fast they are
+    /// against that alone counts. Else 0.
+    common: DVec2,
     /// A pair that holds each other bounces only where it meets faster than this, px/s, and than its load asks for.
     firm: f64,
     /// Overlaps are taken away at so many sums of both radii a second, at most.
@@ -225,6 +229,7 @@ impl Contact {
         self.change_length();
         self.accelerate();
         self.find();
+        self.note_common();
         self.note_start();
         self.note_room();
         self.impacts(tally);
@@ -254,6 +259,7 @@ impl Contact {
                 let (moves, others) = passes.split_at(3);
                 self.sweep(moves);
                 self.keep_to_room();
+                self.keep_centres();
                 self.sweep(others);
                 self.bounce_off_barred();
             } else {
@@ -267,6 +273,7 @@ impl Contact {
             self.sweep(&[Pass::TRAVEL]);
             if self.any_unfollowed() {
                 self.keep_to_room();
+                self.keep_centres();
                 self.bounce_off_barred();
             }
         }
@@ -307,6 +314,19 @@ impl Contact {
             team.each(layout.share(Layer::Own, bodies), accelerate);
         } else {
             accelerate(bodies);
+        }
+    }
+
+    /// Finds the velocity that all balls have in common, where nothing carries any.
+    fn note_common(&mut self) {
+        if !self.setting.is_grounded() && self.near.is_some() {
+            let weighed = self.bodies.iter().zip(&self.rests).map(|(body, rest)| {
+                let mass = rest.own.recip();
+                (mass, body.velocity * mass)
+            });
+            let (mass, momentum) =
+                weighed.fold((0.0, DVec2::ZERO), |all, one| (all.0 + one.0, all.1 + one.1));
+            self.setting.common = if mass > 0.0 { momentum / mass } else { DVec2::ZERO };
         }
     }
 

@@ -43,7 +43,7 @@ const TURNS: u32 = 4;
 /// Who has how much room.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Room {
-    /// Where each body began the substep.
+    /// Where each body began the substep, or would be if it had moved as all do.
     pub(super) starts: Vec<DVec2>,
     /// Those that may not go all their way, in the order of their numbers.
     pub(super) short: Vec<Short>,
@@ -63,13 +63,13 @@ pub(super) struct Short {
 impl Contact {
     /// Notes where bodies that may meet begin a substep. They stand in the order that they have in it.
     pub(super) fn note_room(&mut self) {
-        let Self { bodies, room, team, pairs: true, .. } = self else { return };
+        let Self { setting, bodies, room, team, pairs: true, .. } = self else { return };
         let layout = Layout::of(bodies.len());
         room.starts.resize(bodies.len(), DVec2::ZERO);
         let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
         team.each(shares, |(starts, bodies)| {
             for (start, body) in starts.iter_mut().zip(bodies) {
-                *start = body.position;
+                *start = body.position + setting.common * setting.substep;
             }
         });
     }
@@ -85,7 +85,9 @@ impl Contact {
         if near.crowd || deep > bodies.len() {
             // Wherever they went, most would lie in others.
             near.stripes.iter_mut().for_each(|stripe| stripe.deep.clear());
-            rests.iter_mut().for_each(|rest| rest.stuck = 0);
+            for rest in rests {
+                rest.stuck = 0;
+            }
             return;
         }
         room.find_short(setting, (bodies, restitutions, rests), near, course);
@@ -94,7 +96,7 @@ impl Contact {
             let stays = body.position.distance(room.starts[at]) < DEEPEST * body.radius;
             rest.stuck = if room.is_short[at] && stays { rest.stuck.saturating_add(1) } else { 0 };
         }
-        if setting.kick != DVec2::ZERO {
+        if setting.kick != DVec2::ZERO && setting.is_grounded() {
             room.pay_for_height(setting, bodies);
         }
     }
@@ -139,7 +141,7 @@ impl Setting {
     fn rams(&self, body: &Body) -> bool {
         let (part, kicks) = RAMMING;
         let slow = (part * body.radius / self.substep).max(kicks * self.kick.length());
-        body.velocity.length_squared() > slow * slow
+        body.velocity.distance_squared(self.common) > slow * slow
     }
 }
 
@@ -180,7 +182,9 @@ impl Room {
             near.cover_way(at, (start, end), bodies, setting);
             // What it would have met after it was hit for the last time it may have been, is not known.
             let unknown = if limits.may_be_spent(fate, restitutions[at]) {
-                bodies[at].velocity * setting.substep - bodies[at].free * fate.time
+                bodies[at].velocity * setting.substep
+                    - bodies[at].free * fate.time
+                    - setting.common * (setting.substep - fate.time)
             } else {
                 DVec2::ZERO
             };

@@ -86,13 +86,13 @@ impl Contact {
     }
 
     /// A body's velocity between the substep that is over and the next; that through the substep where it is held, which is none
-    /// at rest. Along a wall that alone holds it, it falls, and with others that hold it where nothing carries any.
+    /// at rest. Along a wall that alone holds it, it falls, and where nothing carries any, all fall.
     pub(super) fn velocity_between(&self, at: usize) -> DVec2 {
         let body = &self.bodies[at];
-        let Held { by_others, by_walls } = self.held.get(at).copied().unwrap_or_default();
-        if by_others && !self.setting.is_grounded() {
+        if !self.setting.is_grounded() {
             return body.velocity + 0.5 * self.setting.kick;
         }
+        let Held { by_others, by_walls } = self.held.get(at).copied().unwrap_or_default();
         let falls = [0, 1].map(|axis| f64::from(u8::from(!(by_others || by_walls.has(axis)))));
         body.velocity + 0.5 * DVec2::from(falls) * body.change(self.setting.kick)
     }

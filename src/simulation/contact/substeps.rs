@@ -185,6 +185,7 @@ impl Setting {
             kick: DVec2::ZERO,
             can_rest,
             has_fixed: false,
+            common: DVec2::ZERO,
             firm: 0.0,
             mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
             // Without gravity there is no chatter to be left out.

@@ -77,8 +77,11 @@ impl Contact {
             thrown.extend(near.stripes[number].thrown.drain(..).map(|body| start + body as usize));
         }
         let most = |at: usize| setting.most_held(&course.fates[at]);
+        let is_carried = setting.is_grounded();
         near.let_go_of_all(thrown, bodies, let_go, most, |body, most| {
-            body.velocity.clamp_length_max(body.free.length().max(most))
+            // What falls with others keeps what it gave them, and with these its energy (`energy`).
+            let fastest = if is_carried { body.free.length().max(most) } else { f64::INFINITY };
+            body.velocity.clamp_length_max(fastest)
         });
     }
 
