@@ -143,7 +143,8 @@ pub struct RunArgs {
     /// Take the frames' deltas from a file: seconds, one a line
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seconds", "fps"])]
     pub deltas: Option<PathBuf>,
-    /// Do again what was done in a window, frame by frame: a replay that it saved with Ctrl+Shift+S
+    /// Do again what was done in a window, frame by frame: a replay that it saved with Ctrl+Shift+S, with its own frames,
+    /// solver, balls and size, and unchecked
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seconds", "fps", "deltas", "solver", "balls", "seed", "size", "check"])]
     pub commands: Option<PathBuf>,
     /// Write every ball's state after each frame as CSV

@@ -64,7 +64,14 @@ impl Unfinished {
         // What the system said, without the temporary name that it said it of.
         let file = builder.tempfile_in(folder).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => {
-                io::Error::new(io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()))
+                // Of some folders the system says so where it lets nothing be made in them.
+                let is_there = folder.as_os_str().is_empty() || folder.is_dir();
+                let (kind, what) = if is_there {
+                    (io::ErrorKind::PermissionDenied, "no file can be made in")
+                } else {
+                    (io::ErrorKind::NotFound, "there is no folder")
+                };
+                io::Error::new(kind, format!("{what} {}", folder.display()))
             }
             kind => kind.into(),
         })?;

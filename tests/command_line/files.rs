@@ -50,6 +50,8 @@ fn outputs_are_written_whole_or_not_at_all() {
         "none/it.png: there is no folder none; no file was written; make the folder first",
     );
     fail(&here, &["run", "draw", "--trace", "t.csv", "--image", "none/it.png"], 1, "none/it.png");
+    #[cfg(target_os = "linux")]
+    fail(&here, &["run", "draw", "--image", "/proc/it.png"], 1, "/proc/it.png: no file can be made in /proc");
     assert_eq!(names(here.path()), ["taken"], "nothing half-written stays behind");
     fs::write(here.path().join("t.csv"), "old").unwrap();
     succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "t.csv"]);

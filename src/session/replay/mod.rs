@@ -89,12 +89,8 @@ pub enum ReplayError {
         /// What is wrong, and what to write instead.
         message: String,
     },
-    /// It was recorded with another scene.
-    #[error(
-        "{} was recorded in the scene {recorded}, from other balls than {given} has now; \
-         run carom run {recorded} --commands {0}",
-        path.display()
-    )]
+    /// It was recorded with another scene, or with this one before that was changed.
+    #[error("{}", other_scene(path, recorded, given))]
     OtherScene {
         /// The replay's path.
         path: PathBuf,
@@ -111,6 +107,18 @@ pub enum ReplayError {
         /// What does not fit.
         source: Box<SceneError>,
     },
+}
+
+fn other_scene(path: &Path, recorded: &str, given: &str) -> String {
+    let what = format!(
+        "{} was recorded in the scene {recorded}, from other balls than {given} has now; ",
+        path.display()
+    );
+    if recorded == given {
+        what + "give the scene as it was then"
+    } else {
+        format!("{what}run carom run {recorded} --commands {}", path.display())
+    }
 }
 
 impl Replay {
@@ -304,6 +312,8 @@ mod tests {
             assert!(Replay::parse(Path::new("a"), &replay, &scene).is_ok());
             let refused = Replay::parse(Path::new("a"), &replay, &changed);
             assert!(matches!(refused, Err(ReplayError::OtherScene { .. })), "{to}");
+            let says = refused.unwrap_err().to_string();
+            assert!(says.ends_with("mine has now; give the scene as it was then"), "{says}");
         }
     }
 
