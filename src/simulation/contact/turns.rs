@@ -195,11 +195,11 @@ fn take_left(stage: &mut Stage<'_>, near: &mut Near, mut past: Past<'_>) {
 
 /// Foresees what comes of bodies that were struck, from when on, and takes back what they forestall.
 fn go_on(stage: &mut Stage<'_>, near: &mut Near, past: &mut Past<'_>, struck: &mut Vec<(usize, f64)>) {
-    for &(body, time) in &*struck {
+    for &(body, _) in &*struck {
         near.widen(body, stage.fates[body].time, stage.bodies, stage.setting);
-        end_with_others(stage, near, body, time);
     }
     while let Some((body, time)) = struck.pop() {
+        end_with_others(stage, near, body, time);
         // All is known here.
         let _ = past.foresee(body, time, stage, &mut near.all(), struck);
     }
