@@ -23,6 +23,8 @@ impl Exact {
         let strength = gravity.length();
         let smallest = smallest_radius(balls);
         let rest_speed = counted_rest_speed(rest_speed, gravity, balls);
+        let has_pairs = balls.len() > 1 && world.pairs.is_some();
+        let ids = if has_pairs { by_place(world, balls) } else { (0..balls.len() as u32).collect() };
         let mut exact = Self {
             gravity,
             pulls: pulls(gravity),
@@ -36,12 +38,13 @@ impl Exact {
             chatter_time: 2.0 * rest_speed / if strength > 0.0 { strength } else { impacts::EARTH },
             chatter_length: CHATTER_LENGTH * smallest,
             holds: gravity != DVec2::ZERO,
-            slots: (0..balls.len() as u32).collect(),
-            flights: Vec::new(),
+            slots: inverse(&ids),
+            flights: in_order(balls, &ids).map(|ball| Flight::new(ball.position, ball.velocity)).collect(),
             marks: vec![Marks::default(); balls.len()],
-            matter: Vec::new(),
+            matter: in_order(balls, &ids).map(Matter::of).collect(),
             calendar: Calendar::new(balls.len()),
-            cells: None,
+            // Anew, since the balls have another order now.
+            cells: has_pairs.then(|| cells_of(world, in_order(balls, &ids))),
             overlaps: (world.pairs == Some(Pairs::Detect)).then(|| vec![Vec::new(); balls.len()]),
             clock: Clock::default(),
             origin: Clock::default(),
@@ -58,41 +61,22 @@ impl Exact {
             found: Vec::new(),
             propped: Vec::new(),
         };
-        let has_pairs = balls.len() > 1 && world.pairs.is_some();
-        if has_pairs {
-            exact.slots = slots_by_place(world, balls);
-        }
-        let balls = &exact.in_order(balls)[..];
-        if has_pairs {
-            exact.cells = Some(cells_of(world, balls));
-        }
-        exact.flights = balls.iter().map(|ball| Flight::new(ball.position, ball.velocity)).collect();
-        exact.matter = balls.iter().map(Matter::of).collect();
         if exact.overlaps.is_none() && exact.matter.iter().all(|matter| *matter == exact.matter[0]) {
             exact.matter.truncate(1);
         }
-        exact.hold_immovable(balls);
+        exact.hold_immovable(in_order(balls, &ids));
         exact
     }
 
     /// Lays to rest what cannot move: what has no room between walls, and fixed balls, which no impact lifts either.
-    fn hold_immovable(&mut self, balls: &[Ball]) {
-        for (slot, ball) in balls.iter().enumerate() {
+    fn hold_immovable<'a>(&mut self, balls: impl Iterator<Item = &'a Ball>) {
+        for (slot, ball) in balls.enumerate() {
             for axis in 0..2 {
                 let held = ball.is_fixed() || self.jams(ball.radius, axis);
                 self.marks[slot].set(Marks::rests_on(axis), held);
                 self.holds |= held;
             }
         }
-    }
-
-    /// The balls by their slots.
-    fn in_order(&self, balls: &[Ball]) -> Vec<Ball> {
-        let mut ordered = balls.to_vec();
-        for (ball, &slot) in balls.iter().zip(&self.slots) {
-            ordered[slot as usize] = *ball;
-        }
-        ordered
     }
 
     /// Foresees the first event of each ball, before anything has moved, and returns whether that is done: a crowd at
@@ -113,7 +97,6 @@ impl Exact {
 
     /// Puts all balls into their cells, and finds out which overlap from the beginning.
     fn place_all<N: Needs>(&mut self, balls: &[Ball]) {
-        let balls = self.in_order(balls);
         self.calendar.begin(self.span);
         if let Some(cells) = &mut self.cells {
             for (slot, flight) in self.flights.iter_mut().enumerate() {
@@ -122,6 +105,7 @@ impl Exact {
             }
         }
         if let Some(overlaps) = &mut self.overlaps {
+            let balls: Vec<Ball> = in_order(balls, &inverse(&self.slots)).copied().collect();
             Grid::new(&balls, self.size).for_each(&balls, |i, j| {
                 // Fixed balls do not notice each other.
                 if !(balls[i as usize].is_fixed() && balls[j as usize].is_fixed()) {
@@ -136,19 +120,29 @@ impl Exact {
     }
 }
 
-/// A slot for each ball: those of neighbours in space are neighbours in memory.
-fn slots_by_place(world: &World, balls: &[Ball]) -> Vec<u32> {
-    let cells = cells_of(world, balls);
+/// A ball for each slot: neighbours in space have neighbouring ones.
+fn by_place(world: &World, balls: &[Ball]) -> Vec<u32> {
+    let cells = cells_of(world, balls.iter());
     let mut ids: Vec<u32> = (0..balls.len() as u32).collect();
     ids.sort_by_cached_key(|&id| cells.morton_code(id as usize, balls[id as usize].position));
-    let mut slots = vec![0; balls.len()];
-    (0..).zip(ids).for_each(|(slot, id)| slots[id as usize] = slot);
-    slots
+    ids
+}
+
+/// A slot for each ball, where this is a ball for each slot; and back.
+fn inverse(of: &[u32]) -> Vec<u32> {
+    let mut inverse = vec![0; of.len()];
+    (0..).zip(of).for_each(|(place, &number)| inverse[number as usize] = place);
+    inverse
+}
+
+/// The balls by their slots.
+fn in_order<'a>(balls: &'a [Ball], ids: &'a [u32]) -> impl Iterator<Item = &'a Ball> {
+    ids.iter().map(|&id| &balls[id as usize])
 }
 
 /// Empty cells for these balls.
-fn cells_of(world: &World, balls: &[Ball]) -> Cells {
-    let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
+fn cells_of<'a>(world: &World, balls: impl Iterator<Item = &'a Ball>) -> Cells {
+    let radii: Vec<f64> = balls.map(|ball| ball.radius).collect();
     Cells::new(world, &radii)
 }
 

@@ -261,11 +261,7 @@ impl Calendar {
     /// Takes an event out where it is the next of the open day; whether it was.
     #[inline]
     pub(super) fn strike_out(&mut self, event: Entry) -> bool {
-        let comes_next = self.today.last() == Some(&event);
-        if comes_next {
-            self.today.pop();
-        }
-        comes_next
+        self.today.pop_if(|entry| *entry == event).is_some()
     }
 
     #[cold]

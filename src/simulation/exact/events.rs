@@ -139,6 +139,7 @@ impl Exact {
                     } else {
                         self.collide::<N>(tally, slot, other, now);
                     }
+                    // Not before: whether balls are wedged in is seen by the count.
                     if both {
                         self.count_event();
                     }
