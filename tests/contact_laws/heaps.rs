@@ -97,9 +97,14 @@ fn falling(balls: Vec<Ball>, gravity: f64) -> Simulation {
     simulation(space.with_pairs(Pairs::Impulse), balls)
 }
 
+/// The mean by their masses: of positions the centre, of velocities the one that they have in common.
+fn mean(balls: &[Ball], of: fn(&Ball) -> DVec2) -> DVec2 {
+    balls.iter().map(|ball| of(ball) * ball.mass()).sum::<DVec2>() / balls.iter().map(Ball::mass).sum::<f64>()
+}
+
 /// The energy of their motion against the velocity that they have in common.
 fn inner_energy(balls: &[Ball]) -> f64 {
-    let common = momentum(balls) / balls.iter().map(Ball::mass).sum::<f64>();
+    let common = mean(balls, Ball::velocity);
     balls.iter().map(|ball| 0.5 * ball.mass() * ball.velocity().distance_squared(common)).sum()
 }
 
@@ -128,11 +133,6 @@ fn balls_that_part_while_they_fall_keep_their_momentum_and_gain_next_to_no_energ
 /// fallen for a while.
 #[test]
 fn balls_that_fly_into_each_other_while_they_fall_keep_their_momentum_and_their_centre_its_parabola() {
-    let of = |weigh: fn(&Ball) -> f64, balls: &[Ball], what: fn(&Ball) -> DVec2| {
-        balls.iter().map(|ball| what(ball) * weigh(ball)).sum::<DVec2>()
-            / balls.iter().map(weigh).sum::<f64>()
-    };
-    let centre = |balls: &[Ball]| of(Ball::mass, balls, Ball::position);
     for (gravity, restitution, seed) in [98.0, 980.0, 9800.0]
         .into_iter()
         .flat_map(|gravity| [0.0, 0.3, 0.5].map(|e| (gravity, e)))
@@ -147,16 +147,16 @@ fn balls_that_fly_into_each_other_while_they_fall_keep_their_momentum_and_their_
             ball.with_velocity(-1.2 * from_middle).unwrap().with_restitution(restitution).unwrap()
         };
         let mut falling = falling((0..60).map(|_| next()).collect(), gravity);
-        let (from, velocity) = (centre(falling.balls()), of(Ball::mass, falling.balls(), Ball::velocity));
+        let [from, velocity] = [Ball::position, Ball::velocity].map(|of| mean(falling.balls(), of));
         for frame in 1..=120 {
             falling.advance(FRAME).unwrap();
             let (time, pull) = (FRAME * f64::from(frame), DVec2::new(0.0, gravity));
             let law = velocity + pull * time;
-            let off = of(Ball::mass, falling.balls(), Ball::velocity).distance(law);
+            let off = mean(falling.balls(), Ball::velocity).distance(law);
             let what = format!("{gravity}, {restitution}, seed {seed}, frame {frame}");
             assert!(off < 1e-9 * (law.length() + 1.0), "{what}: {off} of {law} px/s");
             let law = from + velocity * time + 0.5 * pull * time * time;
-            let off = centre(falling.balls()).distance(law);
+            let off = mean(falling.balls(), Ball::position).distance(law);
             assert!(off < 0.1, "{what}: {off} px");
         }
     }

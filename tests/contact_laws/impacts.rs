@@ -163,8 +163,8 @@ fn a_ball_that_has_come_to_rest_on_the_floor_meets_it_no_more_whatever_gravity()
     }
 }
 
-/// Ten thousand times as heavy, it comes so near to the wall with the light one in between that a substep does not take all of
-/// their impacts. They lose time then, and what is elsewhere does not: all fast balls stood still meanwhile.
+/// A hundred million times as heavy, it comes so near to the wall with the light one in between that a substep does not take all
+/// of their impacts. They lose time then, and what is elsewhere does not: all fast balls stood still meanwhile.
 #[test]
 fn a_jam_costs_no_time_where_it_is_not() {
     let light = ball(20.0, 100.0, 5.0);
@@ -189,7 +189,7 @@ fn a_jam_costs_no_time_where_it_is_not() {
     }
 }
 
-/// It is not when the substep begins, and ended in another one, 2.6 of its radii deep.
+/// It was not fast when the substep began, so that no room was looked for: it ended in another one, 2.6 of its radii deep.
 #[test]
 fn what_becomes_fast_in_a_substep_of_a_jam_ends_in_no_other() {
     let places = [

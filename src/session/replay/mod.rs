@@ -109,6 +109,7 @@ pub enum ReplayError {
     },
 }
 
+/// That a replay is of another scene, and what to do.
 fn other_scene(path: &Path, recorded: &str, given: &str) -> String {
     let what = format!(
         "{} was recorded in the scene {recorded}, from other balls than {given} has now; ",

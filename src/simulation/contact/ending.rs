@@ -81,7 +81,7 @@ impl Stage<'_> {
     /// Where a ball is at `time`, and how far it still goes in this substep, seen from what moves with all.
     fn left_to(&self, at: usize, time: f64) -> (DVec2, f64) {
         let (body, fate, substep) = (&self.bodies[at], &self.fates[at], self.setting.substep);
-        if fate.ended && fate.fast {
+        if fate.is_over() {
             (body.end(substep) - self.setting.common * (substep - time), 0.0)
         } else {
             (body.end(time), body.velocity.distance(self.setting.common) * (substep - time))

@@ -10,6 +10,7 @@
 
 use glam::DVec2;
 
+use super::centre::mean;
 use super::fates::Shift;
 use super::islands::islands;
 use super::sleep::Rest;
@@ -82,10 +83,7 @@ fn keep_of_island(bodies: &mut [Body], rests: &[Rest], unheld: &[DVec2], island:
 /// The velocity that balls have in common, and twice the energy of their motion against that.
 fn motion(balls: &[usize], rests: &[Rest], velocity: impl Fn(usize) -> DVec2) -> (DVec2, f64) {
     let weighed = || balls.iter().map(|&at| (rests[at].own.recip(), velocity(at)));
-    let (mass, momentum) = weighed().fold((0.0, DVec2::ZERO), |(mass, momentum), (own, velocity)| {
-        (mass + own, momentum + velocity * own)
-    });
-    let common = momentum / mass;
+    let common = mean(weighed());
     (common, weighed().map(|(own, velocity)| own * velocity.distance_squared(common)).sum())
 }
 

@@ -95,6 +95,12 @@ impl Fate {
         u32::from(self.hits) | u32::from(self.undone) << u16::BITS
     }
 
+    /// Whether the substep is over for its body: it stands still since.
+    #[inline]
+    pub(super) fn is_over(&self) -> bool {
+        self.fast && self.ended
+    }
+
     /// What it was before some hits. What was foreseen of the body then does not hold any more.
     pub(super) fn back_to(&mut self, before: Self) {
         *self = Self { undone: self.undone.wrapping_add(1), ..before };

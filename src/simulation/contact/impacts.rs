@@ -288,13 +288,13 @@ impl Stage<'_> {
             What::Wall(spot) => {
                 let beside = stripes.list[spot.stripe as usize].beside[spot.at as usize];
                 let body = stripes.layout.start(spot.stripe as usize) + beside.body as usize;
-                let Fate { time: since, fast, ended, .. } = self.fates[body];
-                if fast && ended {
+                let fate = self.fates[body];
+                if fate.is_over() {
                     return [None; 2];
                 }
                 let before = self.bodies[body];
                 let ball = (&mut self.bodies[body], self.rests[body].in_impacts());
-                let Some(met) = meet_walls(self.setting, ball, &beside, since, self.tally) else {
+                let Some(met) = meet_walls(self.setting, ball, &beside, fate.time, self.tally) else {
                     return [None; 2];
                 };
                 self.fates[body].shift.raise(Shift::Some, met.shifts);
@@ -309,7 +309,7 @@ impl Stage<'_> {
             }
             What::FastWall(body, axis) => {
                 let body = body as usize;
-                if self.fates[body].ended {
+                if self.fates[body].is_over() {
                     return [None; 2];
                 }
                 let ball = (&mut self.bodies[body], self.rests[body].in_impacts());
@@ -337,7 +337,7 @@ impl Stage<'_> {
         let was_fast = fate.fast;
         fate.fast = is_fast(setting, &bodies[at]) || (was_fast && fate.ended);
         fate.shift.raise(Shift::Far, was_fast || fate.fast);
-        if fate.fast && fate.ended {
+        if fate.is_over() {
             end(setting, &mut bodies[at], time);
         }
         limits.exhausted |= limits.exhausts(fate);

@@ -317,19 +317,6 @@ impl Contact {
         }
     }
 
-    /// Finds the velocity that all balls have in common, where nothing carries any.
-    fn note_common(&mut self) {
-        if !self.setting.is_grounded() && self.near.is_some() {
-            let weighed = self.bodies.iter().zip(&self.rests).map(|(body, rest)| {
-                let mass = rest.own.recip();
-                (mass, body.velocity * mass)
-            });
-            let (mass, momentum) =
-                weighed.fold((0.0, DVec2::ZERO), |all, one| (all.0 + one.0, all.1 + one.1));
-            self.setting.common = if mass > 0.0 { momentum / mass } else { DVec2::ZERO };
-        }
-    }
-
     /// Looks for pairs anew where what was found no longer covers this substep.
     #[inline]
     fn find(&mut self) {

@@ -109,7 +109,7 @@ impl Contact {
         if course.ended {
             return true;
         }
-        if !(setting.may_lack_room() || near.weights.differ) {
+        if setting.kick != DVec2::ZERO && !near.weights.differ {
             return false;
         }
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
@@ -118,7 +118,7 @@ impl Contact {
             .zip(course.fates.iter().zip(restitutions))
             .filter(|(_, (fate, own))| limits.may_be_spent(fate, **own));
         if setting.kick != DVec2::ZERO {
-            return near.weights.differ && spent.any(|(body, _)| setting.rams(body));
+            return spent.any(|(body, _)| setting.rams(body));
         }
         spent.next().is_some()
             || near.holding().any(|(first, second, constraint)| {
@@ -131,12 +131,6 @@ impl Contact {
 }
 
 impl Setting {
-    /// Whether balls are to go no farther than there is room, wherever that is not known. Elsewhere only fast ones are, and unlike
-    /// ones that ram others.
-    fn may_lack_room(&self) -> bool {
-        self.kick == DVec2::ZERO || self.has_fixed
-    }
-
     /// Whether a ball that goes on like this after its impacts may go through others.
     fn rams(&self, body: &Body) -> bool {
         let (part, kicks) = RAMMING;

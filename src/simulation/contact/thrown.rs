@@ -80,8 +80,8 @@ impl Contact {
         let is_carried = setting.is_grounded();
         near.let_go_of_all(thrown, bodies, let_go, most, |body, most| {
             // What falls with others keeps what it gave them, and with these its energy (`energy`).
-            let fastest = if is_carried { body.free.length().max(most) } else { f64::INFINITY };
-            body.velocity.clamp_length_max(fastest)
+            let fastest = body.free.length().max(most);
+            if is_carried { body.velocity.clamp_length_max(fastest) } else { body.velocity }
         });
     }
 

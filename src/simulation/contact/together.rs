@@ -65,7 +65,7 @@ impl Stage<'_> {
         let flies = |at: usize| {
             let body = &self.bodies[at];
             let free = body.inverse_mass == 0.0 || body.velocity == body.free;
-            free && !self.rests[at].asleep && !(self.fates[at].fast && self.fates[at].ended)
+            free && !self.rests[at].asleep && !self.fates[at].is_over()
         };
         if !(flies(bodies.0) && flies(bodies.1)) {
             return None;

@@ -106,10 +106,7 @@ impl Contact {
         *ended = stage.limits.ended;
         if *ended {
             // For fast ones there the substep was over then.
-            legs.list.retain(|leg| {
-                let fate = &fates[leg.body as usize];
-                !(fate.fast && fate.ended)
-            });
+            legs.list.retain(|leg| !fates[leg.body as usize].is_over());
         }
     }
 
