@@ -237,6 +237,32 @@ fn a_ball_driven_into_a_wedge_ends_no_run() {
 }
 
 #[test]
+fn a_ball_comes_to_rest_between_a_wall_and_a_fixed_ball_however_steep_their_wedge() {
+    let mut restless = Vec::new();
+    for restitution in [0.0, 0.5] {
+        for steepness in [0.5, 0.1, 0.02] {
+            for aside in [30.0, 300.0, 2000.0] {
+                let gravity = DVec2::new(aside, EARTH);
+                let world =
+                    World::new(DVec2::splat(200.0)).and_then(|world| world.with_walls(restitution)).unwrap();
+                let world = world.with_gravity(gravity).unwrap().with_pairs(Pairs::Impulse);
+                // The contact's direction is as steep as this where the ball touches both.
+                let apart = 30.0 * f64::sqrt(1.0 - steepness * steepness);
+                let balls = vec![ball(190.0 - apart, 150.0, 20.0).fixed(), ball(189.0, 90.0, 10.0)];
+                let mut simulation = exact(world, balls);
+                simulation.advance(20.0).unwrap();
+                let place = DVec2::new(190.0, 150.0 - 30.0 * steepness);
+                let lies = simulation.balls()[1].position().distance(place) < 1e-3;
+                if fastest(&simulation) > 0.0 || !lies || hits(&simulation) > 2000 {
+                    restless.push((restitution, steepness, aside, simulation.tally()));
+                }
+            }
+        }
+    }
+    assert!(restless.is_empty(), "{restless:?}");
+}
+
+#[test]
 fn balls_at_rest_in_each_other_part_without_momentum_and_are_apart_soon() {
     for count in [2, 3, 5] {
         for gravity in [0.0, EARTH] {

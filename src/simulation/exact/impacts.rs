@@ -211,6 +211,7 @@ impl Exact {
         let plain = least == 0.0 && !chatter.0 && !chatter.1 && !self.wedged();
         let (meeting, e) = if pressed || least > 0.0 {
             let hop = if pressed && !self.wedged() { self.least_hop(restitution) } else { 0.0 };
+            let hop = hop * self.sliding_part(meeting.offset, [rests1, rests2]);
             (meeting.parting_at(least.max(hop), restitution), restitution)
         } else {
             (meeting, e)
@@ -315,6 +316,17 @@ impl Exact {
     /// at once, for ever.
     pub(super) fn least_hop(&self, e: f64) -> f64 {
         LEAST_HOP * self.rest_speed * if e < 1.0 { 1.0 } else { CONSERVATIVE }
+    }
+
+    /// The part of the least hop with which a ball parts that slides along the wall it rests on, from what nothing moves. In
+    /// a steep wedge it slides far while it parts a little, and gravity along the wall may be weak: it would hop for ever.
+    fn sliding_part(&self, offset: DVec2, rests: [usize; 2]) -> f64 {
+        let (slides, along) = match rests {
+            [1, 3] | [3, 1] => (1, offset.y),
+            [2, 3] | [3, 2] => (2, offset.x),
+            _ => return 1.0,
+        };
+        along.abs() / offset.length() * (self.pulls[slides].length() / self.gravity.length())
     }
 
     /// The least speed, px/s, at which balls that overlap at relative rest part; 0 where they do not.
