@@ -82,7 +82,7 @@ pub struct SceneArgs {
         allow_negative_numbers = true
     )]
     pub balls: usize,
-    /// The random balls' seed: the same seed, the same balls [default: 1]
+    /// The seed of the random balls that are added: the same seed, the same balls [default: 1]
     #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// The world's size in px, such as 1280x720 [default: the scene's own]

@@ -142,6 +142,14 @@ fn open_window(args: &WindowArgs) -> Result<(), Failure> {
 
 fn run(args: RunArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &args.start)?;
+    if args.start.seed.is_some() && args.start.balls == 0 {
+        // Standard error may be gone; the run is not less for it.
+        let _ = writeln!(
+            io::stderr(),
+            "carom: --seed is for the balls that --balls adds, and there are none; random balls of the scene's own \
+             have their seed in the scene file"
+        );
+    }
     let file = scene.file().map(Path::to_owned);
     let course = match (&args.commands, &args.deltas) {
         (Some(path), _) => Course::Replay(Replay::read(path, &scene).map_err(RunError::from)?.into()),

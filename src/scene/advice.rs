@@ -1,5 +1,7 @@
 //! What to write instead, for what the parser says of a scene file.
 
+use strsim::osa_distance;
+
 use super::values::TWO_NUMBERS;
 
 /// A key or a table of a scene file.
@@ -225,31 +227,18 @@ fn misplaced(said: &str, key: &str) -> String {
 /// The longest word that is held against keys: no slip of the finger makes a key longer.
 const LONGEST_SLIP: usize = 20;
 
-/// The key among those that the parser expects that a slip or two make of this one, the nearest first.
+/// The key among those that the parser expects that a slip or two make of this one, the nearest first: a letter that is
+/// added, left out or changed, or two that are swapped.
 fn alike<'a>(said: &'a str, key: &str) -> Option<&'a str> {
     if key.len() > LONGEST_SLIP {
         return None;
     }
     let (_, expected) = said.split_once(", expected ")?;
-    let keys = expected.split('`').skip(1).step_by(2).map(|known| (slips(key, known), known));
+    let keys = expected.split('`').skip(1).step_by(2).map(|known| (osa_distance(key, known), known));
     // Nearest is the same word with an s.
     let (slips, known) = keys.min_by_key(|&(slips, known)| (slips, !key.starts_with(known)))?;
     // Of a short word, two slips leave nothing.
     (slips <= (known.len() / 3).min(2)).then_some(known)
-}
-
-/// How many letters are to be added, left out or changed to make one word of the other (Levenshtein 1966).
-fn slips(from: &str, to: &str) -> usize {
-    let mut row: Vec<usize> = (0..=to.chars().count()).collect();
-    for (index, letter) in from.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], index + 1);
-        for (column, other) in to.chars().enumerate() {
-            let changed = diagonal + usize::from(letter != other);
-            diagonal = row[column + 1];
-            row[column + 1] = changed.min(diagonal + 1).min(row[column] + 1);
-        }
-    }
-    row[to.chars().count()]
 }
 
 /// What is said of a name that is there twice.

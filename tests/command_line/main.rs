@@ -122,6 +122,17 @@ fn random_balls_come_from_their_seed() {
 }
 
 #[test]
+fn a_seed_that_no_added_ball_is_drawn_from_is_told_of_and_stops_no_script() {
+    let here = folder();
+    for (balls, told) in [(&["--balls", "2"][..], false), (&["--balls", "0"], true), (&[], true)] {
+        let args = [&["run", "elastic", "--seed", "3", "--seconds", "0"], balls].concat();
+        let output = carom(&here, &args);
+        assert!(output.status.success(), "{balls:?}");
+        assert_eq!(stderr(&output).contains("--seed is for the balls that --balls adds"), told, "{balls:?}");
+    }
+}
+
+#[test]
 fn every_command_has_help_with_examples() {
     let here = folder();
     for args in [&["--help"][..], &["run", "--help"], &["scenes", "--help"], &["scene", "--help"]] {

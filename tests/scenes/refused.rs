@@ -6,6 +6,7 @@ use carom::{DVec2, Scene, SceneError};
 const WRONG: &[(&str, usize, &str)] = &[
     ("gravty = [0, 980]", 1, "did you mean gravity?"),
     ("[[ball]]\nposition = [1, 2]\nradus = 3", 3, "did you mean radius?"),
+    ("[[fill]]\ncount = 1\nspede = 3", 3, "did you mean speed?"),
     ("[wals]", 1, "did you mean walls?"),
     ("[[balls]]", 1, "did you mean ball?"),
     ("gravty = [0, 980]", 1, "unknown field `gravty`, expected one of `about`, `solver`, `size`, `gravity`"),
