@@ -11,6 +11,7 @@ mod numbers;
 mod piles;
 mod random;
 mod sleep;
+mod wedges;
 
 use carom::simulation::grid::Grid;
 use carom::simulation::invariants::{

@@ -81,7 +81,7 @@ use room::Room;
 use show::{Held, Start};
 use sleep::Rest;
 use substeps::{Softness, Substeps};
-use support::{give, two};
+use support::{Tolerance, give, two};
 use sweep::{Pass, Share};
 use team::Team;
 use turns::Course;
@@ -122,6 +122,8 @@ struct Setting {
     softness: Softness,
     /// Whether balls that press may not all be of one material or mass (`weights`).
     differ: bool,
+    /// Where sweeps are followed to their end: what they may change yet when they have settled.
+    to_the_end: Option<Tolerance>,
 }
 
 impl Setting {

@@ -14,6 +14,9 @@ use super::{Contact, Setting};
 /// Places that differ by less, px, are the same but for rounding.
 const ROUNDING: f64 = 1e-6;
 
+/// A ball that others hold moves where it is faster than so many kicks of gravity: no pile trembles so.
+const MOVING: f64 = 8.0;
+
 /// A body where the substep begins that a frame ends in.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Start {
@@ -85,16 +88,21 @@ impl Contact {
         }
     }
 
-    /// A body's velocity between the substep that is over and the next; that through the substep where it is held, which is none
-    /// at rest. Along a wall that alone holds it, it falls, and where nothing carries any, all fall.
+    /// A body's velocity between the substep that is over and the next: half of what gravity leaves of itself comes on top. Along a
+    /// wall that holds it, that is nothing, and where nothing carries any, all fall.
     pub(super) fn velocity_between(&self, at: usize) -> DVec2 {
-        let body = &self.bodies[at];
+        let (body, kick) = (&self.bodies[at], self.setting.kick);
         if !self.setting.is_grounded() {
-            return body.velocity + 0.5 * self.setting.kick;
+            return body.velocity + 0.5 * kick;
         }
         let Held { by_others, by_walls } = self.held.get(at).copied().unwrap_or_default();
-        let falls = [0, 1].map(|axis| f64::from(u8::from(!(by_others || by_walls.has(axis)))));
-        body.velocity + 0.5 * DVec2::from(falls) * body.change(self.setting.kick)
+        let falls = [0, 1].map(|axis| f64::from(u8::from(!by_walls.has(axis))));
+        let change = DVec2::from(falls) * body.change(kick);
+        // What others only hold up while it moves loses a part of gravity to them, along their contacts. What stops or drives it
+        // does so once, and what one at rest lacks in a substep it has in the next.
+        let moves = body.velocity.length_squared() > MOVING * MOVING * kick.length_squared();
+        let is_held_up = moves && change.length_squared() <= change.dot(kick);
+        if by_others && !is_held_up { body.velocity } else { body.velocity + 0.5 * change }
     }
 
     /// A body where a substep is about to begin.

@@ -84,6 +84,8 @@ pub(super) struct Stripe {
     pub(super) heavy: [usize; CARRIED.len()],
     /// Whether impulses that hold apart changed much in the last sweep.
     pub(super) unsettled: bool,
+    /// How many times as much as is enough that was at most, where it is measured; infinite before the first sweep.
+    pub(super) changed: f64,
     /// What happened in all turns but the last.
     pub(super) tally: Tally,
 }

@@ -192,6 +192,7 @@ impl Setting {
             rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
             softness: Softness::of(MOST, false),
             differ: false,
+            to_the_end: None,
         };
         setting.with_length(substeps)
     }

@@ -25,56 +25,100 @@ use super::{Body, Contact, Setting};
 const DAMPED: f64 = 0.1;
 /// Sweeps there and back in a substep, at most. Three let piles of thousands come to rest sooner than one or eight.
 const ROUNDS: u32 = 3;
-/// The same among few balls, where a crash is followed to its end.
-const ROUNDS_OF_FEW: u32 = 32;
-/// The same where masses differ, so that heavy balls come through light ones, and light ones come to rest beside heavy ones:
+/// The same among few balls, where a crash is followed to its end, and so is what a steep wedge bears, or a flat arch: sweeps
+/// find that slowly, and what is missing would be stored in overlaps, and given back as speed.
+const ROUNDS_OF_FEW: u32 = 300;
+/// The same where masses differ: what counts as heavier than it is gives energy to what it drives apart, and more of it the
+/// nearer sweeps come to their end.
+const ROUNDS_OF_FEW_MIXED: u32 = 32;
+/// The same of more balls whose masses differ, so that heavy balls come through light ones, and light ones come to rest beside heavy ones:
 /// with 50, more of them are squeezed out with speed from nowhere ...
 const ROUNDS_OF_MIXED: u32 = 16;
 /// ... or fewer, down to [`ROUNDS`], where these would hold more than so many pairs in all: thousands stay in real time.
 const PAIRS_OF_MIXED: usize = 100_000;
+/// Among some hundred balls, which hold up to so many pairs ...
+const PAIRS_OF_SOME: usize = 600;
+/// ... there are more rounds, too, ...
+const ROUNDS_OF_SOME: u32 = 32;
+/// ... and sweeps have not settled either where a change is more than so many kicks of gravity: among small balls, large ones may
+/// wedge each other in.
+const FAST: f64 = 2.0;
 /// Where impacts shifted more than one in so many balls, they are held apart once more after they were stopped.
 const MANY: usize = 64;
 /// Sweeps have settled where none of their changes moves a ball by more than this part of its radius in the substep.
 const SETTLED: f64 = 5e-3;
-/// The same among few balls, and where masses differ.
-const SETTLED_OF_FEW: f64 = 1e-3;
+/// The same where masses differ.
+const SETTLED_OF_MIXED: f64 = 1e-3;
+/// Among few balls, the same of all that sweeps would change yet, if each changes as much less than the one before as the last
+/// one did ...
+const SETTLED_OF_FEW: f64 = 2e-4;
+/// ... the first of which is taken to change this part of what one before it had, and no more than so many kicks of gravity.
+const FIRST_DECAY: f64 = 0.9;
+const FAST_OF_FEW: f64 = 0.5;
+
+/// What sweeps that have settled may change speeds by.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tolerance {
+    /// In radii, or sums of two, a second.
+    part: f64,
+    /// At most, px/s.
+    speed: f64,
+}
+
+impl Tolerance {
+    /// Where nobody asks.
+    const NONE: Self = Self { part: f64::INFINITY, speed: f64::INFINITY };
+
+    /// What that is for a radius, or for two in all.
+    #[inline]
+    pub(super) fn of(self, reach: f64) -> f64 {
+        lesser(self.speed, self.part * reach)
+    }
+}
+
+/// How what presses is held.
+struct Sweeps {
+    /// How many sweeps there and back there are at most.
+    rounds: u32,
+    /// What a sweep may change where they have settled: sums of both radii in a substep ...
+    settled: f64,
+    /// ... and px/s.
+    fast: f64,
+    /// What is left of an impulse that gives way.
+    left: f64,
+    /// Whether they are followed to their end: all that they would change yet counts.
+    to_the_end: bool,
+}
 
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
-        let few = self.bodies.len() <= FEW;
         let differ = self.near.as_ref().is_some_and(|near| near.weights.differ);
         (self.setting.softness, self.setting.differ) = (self.substeps.softness(differ), differ);
-        let Softness { yielding, yielding_of_few, .. } = self.setting.softness;
-        let (rounds, settled, left) = match self.near.as_ref() {
-            // Nothing presses: overlaps are only moved out of.
-            _ if self.setting.kick == DVec2::ZERO => (1, SETTLED, yielding),
-            // It does not settle before there is room again.
-            Some(near) if near.crowd => (1, SETTLED, yielding),
-            _ if few => (ROUNDS_OF_FEW, SETTLED_OF_FEW, yielding),
-            // As many as few balls may have: the others fly, or sleep.
-            Some(near) if near.touched <= 3 * FEW => (ROUNDS_OF_FEW, SETTLED_OF_FEW, yielding_of_few),
-            Some(near) if differ => {
-                let affordable = (PAIRS_OF_MIXED / near.touched.max(1)) as u32;
-                (affordable.clamp(ROUNDS, ROUNDS_OF_MIXED), SETTLED_OF_FEW, yielding)
-            }
-            _ => (ROUNDS, SETTLED, yielding),
-        };
-        let most = settled / self.setting.substep;
+        let Sweeps { rounds, settled, fast, left, to_the_end } = self.sweeps();
+        let enough = Tolerance { part: settled / self.setting.substep, speed: fast };
+        self.setting.to_the_end = to_the_end.then_some(enough);
         let inward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
             // Stripes that have settled are left as they are.
             if !std::mem::take(&mut stripe.unsettled) {
                 return;
             }
-            let pressed = stripe.solve_inward(share.bodies, left, most);
-            let held = hold_on_walls(setting, share.bodies, &mut stripe.beside) > most;
-            stripe.unsettled = pressed || held;
+            if to_the_end {
+                let pressed = stripe.solve_inward_of_few(share.bodies, left, enough);
+                let change = pressed.max(hold_on_walls(setting, share.bodies, &mut stripe.beside, enough));
+                let before = std::mem::replace(&mut stripe.changed, change);
+                stripe.unsettled = goes_on(change, before);
+            } else {
+                let pressed = stripe.solve_inward(share.bodies, left, enough);
+                let held = hold_on_walls(setting, share.bodies, &mut stripe.beside, enough) > 1.0;
+                stripe.unsettled = pressed || held;
+            }
         };
         let outward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
             if !stripe.unsettled {
                 return;
             }
-            hold_on_walls(setting, share.bodies, &mut stripe.beside);
+            hold_on_walls(setting, share.bodies, &mut stripe.beside, enough);
             stripe.solve_outward(share.bodies, left);
         };
         let (inward, outward) =
@@ -91,6 +135,45 @@ impl Contact {
             near.touched = near.stripes.iter().map(|stripe| stripe.touching.len()).sum();
         }
     }
+
+    /// The sweeps that suit what presses.
+    fn sweeps(&self) -> Sweeps {
+        let Setting { kick, differ, softness: Softness { yielding, yielding_of_few, .. }, .. } = self.setting;
+        let few = self.bodies.len() <= FEW;
+        let usual = Sweeps {
+            rounds: ROUNDS,
+            settled: SETTLED,
+            fast: f64::INFINITY,
+            left: yielding,
+            to_the_end: false,
+        };
+        match self.near.as_ref() {
+            // Nothing presses: overlaps are only moved out of.
+            _ if kick == DVec2::ZERO => Sweeps { rounds: 1, ..usual },
+            // It does not settle before there is room again.
+            Some(near) if near.crowd => Sweeps { rounds: 1, ..usual },
+            // As many as few balls may have: the others fly, or sleep.
+            Some(near) if few || near.touched <= 3 * FEW => {
+                let left = if few { yielding } else { yielding_of_few };
+                if differ {
+                    Sweeps { rounds: ROUNDS_OF_FEW_MIXED, settled: SETTLED_OF_MIXED, left, ..usual }
+                } else {
+                    let (rounds, settled) = (ROUNDS_OF_FEW, SETTLED_OF_FEW);
+                    let fast = FAST_OF_FEW * kick.length();
+                    Sweeps { rounds, settled, fast, left, to_the_end: true }
+                }
+            }
+            Some(near) if differ => {
+                let affordable = (PAIRS_OF_MIXED / near.touched.max(1)) as u32;
+                let rounds = affordable.clamp(ROUNDS, ROUNDS_OF_MIXED);
+                Sweeps { rounds, settled: SETTLED_OF_MIXED, ..usual }
+            }
+            Some(near) if near.touched <= PAIRS_OF_SOME => {
+                Sweeps { rounds: ROUNDS_OF_SOME, fast: FAST * kick.length(), ..usual }
+            }
+            _ => usual,
+        }
+    }
 }
 
 /// Begins with what held a stripe's balls in the last substep (warm starting).
@@ -99,9 +182,17 @@ fn warm_start(setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>) {
         stripe.forget();
     }
     lay_on_walls(setting, share.fates, &mut stripe.beside);
-    hold_on_walls(setting, share.bodies, &mut stripe.beside);
+    hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
     stripe.prepare_all(setting, share);
-    stripe.unsettled = true;
+    (stripe.unsettled, stripe.changed) = (true, f64::INFINITY);
+}
+
+/// Whether sweeps that changed so much, and so much `before`, will change more than is enough yet, which is 1: as a geometric
+/// series (Aitken 1926).
+fn goes_on(change: f64, before: f64) -> bool {
+    let decay = if before.is_finite() { change / before } else { FIRST_DECAY };
+    // Not where nothing changes any more.
+    change * decay > 1.0 - decay
 }
 
 impl Pass<'_> {
@@ -113,7 +204,7 @@ impl Pass<'_> {
         work: &|setting, stripe, share| {
             if stripe.is_shaken(share.bodies.len()) {
                 stripe.solve_outward(share.bodies, setting.softness.yielding);
-                hold_on_walls(setting, share.bodies, &mut stripe.beside);
+                hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
             }
         },
     };
@@ -129,7 +220,7 @@ impl Pass<'_> {
     pub(super) const RELAX_ON_WALLS: Self = Self {
         layers: &[Layer::Own],
         only_busy: true,
-        work: &|_, stripe, share| relax_on_walls(share.bodies, &mut stripe.beside),
+        work: &|_, stripe, share| _ = relax_on_walls(share.bodies, &mut stripe.beside, Tolerance::NONE),
     };
 }
 
@@ -169,19 +260,40 @@ impl Stripe {
             solve(constraint, first, second, 1.0);
             calm(constraint, first, second, sliding, setting.firm);
         });
+        let Some(enough) = setting.to_the_end else { return };
+        let mut before = f64::INFINITY;
+        for _ in 1..ROUNDS_OF_FEW {
+            let relaxed = relax_on_walls(bodies, &mut self.beside, enough);
+            let change = self.solve_inward_of_few(bodies, 1.0, enough).max(relaxed);
+            if !goes_on(change, std::mem::replace(&mut before, change)) {
+                break;
+            }
+        }
     }
 
-    /// Holds all pairs apart that touch, one after the other with gravity. Whether that moves any ball faster than at
-    /// `most` sums of both radii a second.
-    fn solve_inward(&mut self, bodies: &mut [Body], left: f64, most: f64) -> bool {
+    /// Holds all pairs apart that touch, one after the other with gravity. Whether that changes the speed at which any part by
+    /// more than is enough.
+    fn solve_inward(&mut self, bodies: &mut [Body], left: f64, enough: Tolerance) -> bool {
         let Self { constraints, touching, .. } = self;
         let mut moves = false;
         each(constraints, touching.iter().rev(), bodies, |constraint, first, second| {
             let change = solve(constraint, first, second, left).abs();
             let speed = change * (first.inverse_mass + second.inverse_mass);
-            moves |= speed > most * (first.radius + second.radius);
+            moves |= speed > enough.of(first.radius + second.radius);
         });
         moves
+    }
+
+    /// The same. How many times as much as is enough that is at most.
+    fn solve_inward_of_few(&mut self, bodies: &mut [Body], left: f64, enough: Tolerance) -> f64 {
+        let Self { constraints, touching, .. } = self;
+        let mut most = 0.0_f64;
+        each(constraints, touching.iter().rev(), bodies, |constraint, first, second| {
+            let change = solve(constraint, first, second, left).abs();
+            let speed = change * (first.inverse_mass + second.inverse_mass);
+            most = most.max(speed / enough.of(first.radius + second.radius));
+        });
+        most
     }
 
     /// The same against gravity.

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::constraints::Beside;
 use super::fates::Fate;
+use super::support::Tolerance;
 use super::{Body, Setting};
 
 /// A wall's push that is less than this part of a velocity is rounding.
@@ -19,9 +20,14 @@ pub(super) fn lay_on_walls(setting: &Setting, fates: &[Fate], beside: &mut [Besi
     }
 }
 
-/// Stops the balls that walls hold at the walls. The largest change of a ball's speed, in radii a second.
+/// Stops the balls that walls hold at the walls. The largest change of a ball's speed, in times what is enough.
 #[inline]
-pub(super) fn hold_on_walls(setting: &Setting, bodies: &mut [Body], beside: &mut [Beside]) -> f64 {
+pub(super) fn hold_on_walls(
+    setting: &Setting,
+    bodies: &mut [Body],
+    beside: &mut [Beside],
+    enough: Tolerance,
+) -> f64 {
     let mut most = 0.0_f64;
     for beside in beside {
         let body = &mut bodies[beside.body as usize];
@@ -34,14 +40,16 @@ pub(super) fn hold_on_walls(setting: &Setting, bodies: &mut [Body], beside: &mut
         let without = body.velocity - beside.push;
         let held = without.max(low).min(high);
         beside.push = held - without;
-        most = most.max((body.velocity - held).abs().max_element() / body.radius);
+        most = most.max((body.velocity - held).abs().max_element() / enough.of(body.radius));
         body.velocity = held;
     }
     most
 }
 
-/// Takes the velocities away that walls gave to balls that would have overlapped them.
-pub(super) fn relax_on_walls(bodies: &mut [Body], beside: &mut [Beside]) {
+/// Takes the velocities away that walls gave to balls that would have overlapped them. The largest change of a ball's speed,
+/// in times what is enough.
+pub(super) fn relax_on_walls(bodies: &mut [Body], beside: &mut [Beside], enough: Tolerance) -> f64 {
+    let mut most = 0.0_f64;
     for beside in beside {
         if bodies[beside.body as usize].inverse_mass == 0.0 {
             continue;
@@ -57,9 +65,12 @@ pub(super) fn relax_on_walls(bodies: &mut [Body], beside: &mut [Beside]) {
             // Not for what rounding leaves: one that just comes to a wall is not held by it.
             if held[axis].abs() > ROUNDING * body.velocity[axis].abs() {
                 let velocity = hold(body.velocity[axis], held[axis]);
-                beside.push[axis] += velocity - body.velocity[axis];
+                let change = velocity - body.velocity[axis];
+                most = most.max(change.abs() / enough.of(body.radius));
+                beside.push[axis] += change;
                 body.velocity[axis] = velocity;
             }
         }
     }
+    most
 }

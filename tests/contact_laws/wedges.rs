@@ -1,0 +1,62 @@
+//! Balls that lie on others so flat beside them that they press with many times their weight: wedges, and flat arches between
+//! walls. What sweeps had not found of that was stored in overlaps, and given back as speed, for ever.
+
+use super::*;
+
+/// A row on the floor from wall to wall, so narrow that its last ball wedges itself in above, with this slope, degrees, of
+/// its contact with the one before.
+fn row(count: u32, slope: f64, (radius, restitution): (f64, f64), gravity: f64) -> Simulation {
+    let (width, rise) = (slope.to_radians().cos(), slope.to_radians().sin());
+    let side = 2.0 * radius * (f64::from(count - 1) + width);
+    let floor = |k: u32| ball(radius * f64::from(2 * k + 1), 7.0 * radius, radius);
+    let last = ball(side - radius, 7.0 * radius - 2.0 * radius * rise - 0.1 * radius, radius);
+    let balls = (0..count - 1).map(floor).chain([last]);
+    let balls = balls.map(|ball| ball.with_restitution(restitution).unwrap()).collect();
+    let world = world(side, 8.0 * radius, 0.5).with_gravity(DVec2::new(0.0, gravity)).unwrap();
+    simulation(world, balls)
+}
+
+/// They sink in by a thousandth of a radius more than they should, and come out of that.
+#[test]
+fn balls_wedged_in_between_walls_come_to_rest() {
+    let mut restless = Vec::new();
+    for count in [2, 3, 4, 6] {
+        for slope in [3.0, 5.0, 8.0, 10.0, 15.0, 20.0, 30.0] {
+            for (kind, gravity) in [((60.0, 0.0), 980.0), ((60.0, 0.7), 30.0), ((10.0, 0.5), 980.0)] {
+                let mut row = row(count, slope, kind, gravity);
+                let deepest = overlap_in(&mut row, 10.0 * f64::sqrt(980.0 / gravity));
+                if fastest(&row) > 0.0 || deepest > 0.02 {
+                    restless.push((count, slope, kind, fastest(&row), deepest));
+                }
+            }
+        }
+    }
+    assert!(restless.is_empty(), "{}: {restless:?}", restless.len());
+}
+
+/// The largest overlap at a frame in so many seconds.
+fn overlap_in(simulation: &mut Simulation, seconds: f64) -> f64 {
+    let frames = (seconds / FRAME) as u32;
+    (0..frames).fold(0.0, |most, _| {
+        simulation.advance(FRAME).unwrap();
+        most.max(overlap(simulation))
+    })
+}
+
+/// Three large ones wedge each other in, and the small ones lie between them.
+#[test]
+fn large_balls_wedged_in_among_small_ones_come_to_rest() {
+    for seed in 0..6 {
+        let fill = |count: u32, radius: &str, seed: u32| {
+            format!("[[fill]]\ncount = {count}\nradius = {radius}\nrestitution = 0\nseed = {seed}\n")
+        };
+        let text = format!(
+            "solver = \"contact\"\nsize = [400, 400]\ngravity = [0, 980]\n[walls]\nrestitution = 0.5\n[pairs]\n{}{}",
+            fill(3, "[55, 75]", 17 + seed),
+            fill(150, "[2.5, 5]", 1017 + seed)
+        );
+        let mut pile = Scene::parse("wedged", &text).unwrap().build().unwrap();
+        pile.advance(20.0).unwrap();
+        assert_eq!(fastest(&pile), 0.0, "seed {seed}");
+    }
+}
