@@ -163,6 +163,33 @@ fn a_ball_that_has_come_to_rest_on_the_floor_meets_it_no_more_whatever_gravity()
     }
 }
 
+/// Where nothing carries balls, what they all have in common counts as no speed; where something does, it does. Two thirds went
+/// through.
+#[test]
+fn what_drifts_goes_through_no_row_of_fixed_balls_that_is_put_in_its_way() {
+    for speed in [1000.0, 10_000.0] {
+        let place = |k: u32| DVec2::new(f64::from(k % 8), f64::from(k / 8)) * 10.5;
+        let drifting = (0..48).map(|k| {
+            let place = place(k) + 100.0;
+            moving(ball(place.x, place.y, 5.0), speed, 0.0).with_restitution(0.0).unwrap()
+        });
+        let space = World::new(DVec2::splat(500.0)).unwrap().with_pairs(Pairs::Impulse);
+        let mut cloud = simulation(space, drifting.collect());
+        cloud.advance(FRAME).unwrap();
+        let wall = cloud.balls().iter().map(|ball| ball.position().x).fold(0.0, f64::max) + 60.0;
+        let row: Vec<Ball> = (0..40).map(|k| ball(wall, 10.0 * f64::from(k), 6.0).fixed()).collect();
+        cloud.add(&row).unwrap();
+        for frame in 0..60 {
+            cloud.advance(FRAME).unwrap();
+            // Those that fly away past the ends of the row may go on.
+            let through =
+                |ball: &&Ball| ball.position().x > wall && (0.0..390.0).contains(&ball.position().y);
+            let through = cloud.balls()[..48].iter().filter(through).count();
+            assert_eq!(through, 0, "{speed} px/s, frame {frame}");
+        }
+    }
+}
+
 /// A hundred million times as heavy, it comes so near to the wall with the light one in between that a substep does not take all
 /// of their impacts. They lose time then, and what is elsewhere does not: all fast balls stood still meanwhile.
 #[test]

@@ -10,7 +10,7 @@
 
 use glam::DVec2;
 
-use super::centre::mean;
+use super::common::mean;
 use super::fates::Shift;
 use super::islands::islands;
 use super::sleep::Rest;
@@ -37,7 +37,11 @@ impl Contact {
         if setting.is_grounded() {
             keep_of_all(bodies, rests, unheld, setting.kick);
         } else {
-            let pairs = near.holding().map(|(first, second, _)| (first, second));
+            let mut pairs = near.holding().map(|(first, second, _)| (first, second)).peekable();
+            if pairs.peek().is_none() {
+                // Each by itself, which falls.
+                return;
+            }
             for island in islands(bodies.len(), pairs) {
                 keep_of_island(bodies, rests, unheld, &island);
             }

@@ -101,6 +101,12 @@ impl Fate {
         self.fast && self.ended
     }
 
+    /// Whether impacts of its body with another are over in this substep, since it has ended for one of them, and one is fast.
+    #[inline]
+    pub(super) fn parts_with(&self, other: &Self) -> bool {
+        (self.fast || other.fast) && (self.ended || other.ended)
+    }
+
     /// What it was before some hits. What was foreseen of the body then does not hold any more.
     pub(super) fn back_to(&mut self, before: Self) {
         *self = Self { undone: self.undone.wrapping_add(1), ..before };

@@ -217,12 +217,8 @@ impl Stage<'_> {
         let presses = marks.has(Marks::HELD) && first.slow && second.slow;
         let fast = first.fast || second.fast;
         let least = self.limits.least(first.shift.max(second.shift));
-        let enough = if fast {
-            first.ended || second.ended
-        } else {
-            first.hits.max(second.hits) >= least && self.is_either_spent(bodies, states)
-        };
-        if marks.has(Marks::IDLE) || presses || enough {
+        let enough = !fast && first.hits.max(second.hits) >= least && self.is_either_spent(bodies, states);
+        if marks.has(Marks::IDLE) || presses || enough || first.parts_with(second) {
             return None;
         }
         Meeting::of(self.setting, one, other, stripe.firm(at, self.setting), since)
@@ -270,7 +266,7 @@ impl Stage<'_> {
                 let (i, j) = pair(spot, stripes);
                 let [one, other] = [i, j].map(|body| self.fates[body]);
                 let fast = one.fast || other.fast;
-                if fast && (one.ended || other.ended) {
+                if one.parts_with(&other) {
                     return [None; 2];
                 }
                 let firm = stripes.list[spot.stripe as usize].firm(spot.at as usize, self.setting);

@@ -5,7 +5,7 @@
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `near`,
 //!    `constraints`, `order`; of single balls `cover`), and what balls weigh where they are held, where masses
-//!    differ (`weights`);
+//!    differ (`weights`); the velocity that all have in common where nothing carries any is noted (`common`);
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `stripe_turn`, `rewind`, `events`,
 //!    `fates`, `impacts`, `ending`, `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
@@ -31,6 +31,7 @@ mod barred;
 mod body;
 mod carry;
 mod centre;
+mod common;
 mod constraints;
 mod cover;
 mod ending;
@@ -266,6 +267,7 @@ impl Contact {
                 self.bounce_off_barred();
             } else {
                 self.sweep(&passes);
+                self.keep_centres();
             }
             self.keep_energy();
             self.let_go_of_deep();
@@ -277,6 +279,8 @@ impl Contact {
                 self.keep_to_room();
                 self.keep_centres();
                 self.bounce_off_barred();
+            } else {
+                self.keep_centres();
             }
         }
         if self.near.is_none() {

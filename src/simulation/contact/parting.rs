@@ -90,8 +90,8 @@ impl Contact {
         parting.deep = deep;
     }
 
-    /// Lets go of balls that lie deep in others. Before those that are thrown are let go of: that slows balls down against the
-    /// walls, and some that fall together.
+    /// Lets go of balls that lie deep in others. Before those that are thrown are let go of: that slows balls down, where something
+    /// may carry them.
     pub(super) fn let_go_of_deep(&mut self) {
         let Self { setting, bodies, near: Some(near), parting, .. } = self else { return };
         if parting.left <= 0.0 || parting.deep.is_empty() {

@@ -140,7 +140,7 @@ impl Past<'_> {
         let stripe = &stripes.list[spot.stripe as usize];
         let pair = stripe.pairs[spot.at as usize].from(stripes.layout.start(spot.stripe as usize));
         let other = if pair.first as usize == body { pair.second } else { pair.first } as usize;
-        // When the substep was ended for fast ones, none of them is where it was any more.
+        // Where it has ended for fast ones, they are not where they were, and what they hit again and again shares their fate.
         if stage.fates[body].ended || stage.fates[other].ended {
             return Ok(None);
         }
@@ -193,8 +193,8 @@ impl Past<'_> {
         number.map(|number| number - self.stripes.start).ok_or(Elsewhere)
     }
 
-    /// Takes back this impact of a body, and all that came of it. Those that go on as they did before. Nothing has changed
-    /// where that is not known here.
+    /// Takes back this impact of a body, and all that came of it. Those that go on as they did before: none where the substep
+    /// has ended for one of them. Nothing has changed then, nor where that is not known here.
     fn undo(
         &mut self,
         body: usize,
@@ -203,19 +203,21 @@ impl Past<'_> {
         stripes: &mut Stripes<'_>,
     ) -> Result<Vec<usize>, Elsewhere> {
         let mut all = Vec::new();
-        if let Err(elsewhere) = self.find_all(body, impact, stage.fates, stripes, &mut all) {
+        let found = self.find_all(body, impact, stage.fates, stripes, &mut all);
+        if found != Ok(true) {
             for (stripe, at) in all {
                 stripes.list[stripe].taken[at].is_undone = false;
             }
-            return Err(elsewhere);
+            return found.map(|_| Vec::new());
         }
         // What was known of a pair is what was before the first of its impacts.
         let when = |&(stripe, at): &(usize, usize)| stripes.list[stripe].taken[at].time;
         all.sort_by(|one, other| when(other).total_cmp(&when(one)));
         let mut back = Vec::new();
         for (stripe, at) in all {
-            let Taken { sides, pair, tally, .. } = stripes.list[stripe].taken[at].clone();
-            stripes.list[stripe].tally = stripes.list[stripe].tally.since(&tally);
+            let Taken { turn, sides, pair, tally, .. } = stripes.list[stripe].taken[at].clone();
+            let counts = if turn == self.now { &mut *stage.tally } else { &mut stripes.list[stripe].tally };
+            *counts = counts.since(&tally);
             if let Some((spot, marks)) = pair {
                 stripes.list[spot.stripe as usize - self.stripes.start].marks[spot.at as usize] = marks;
             }
@@ -231,7 +233,8 @@ impl Past<'_> {
         Ok(back)
     }
 
-    /// Marks an impact of a body as undone, and all that came of it, and gathers where they stand.
+    /// Marks an impact of a body as undone, and all that came of it, and gathers where they stand. Whether they can be: where
+    /// the substep has ended for a ball, fast ones are not where they were, nor are those that it hit them with.
     fn find_all(
         &self,
         body: usize,
@@ -239,7 +242,7 @@ impl Past<'_> {
         fates: &[Fate],
         stripes: &mut Stripes<'_>,
         all: &mut Vec<(usize, usize)>,
-    ) -> Result<(), Elsewhere> {
+    ) -> Result<bool, Elsewhere> {
         let mut later = vec![(body, impact)];
         while let Some((body, first)) = later.pop() {
             let mut spot = self.lasts[body];
@@ -257,8 +260,10 @@ impl Past<'_> {
                 let mut last = Self::NOTHING;
                 for side in taken.sides.iter().flatten() {
                     let its = (side.body as usize).checked_sub(self.start);
-                    let goes_on = |&its: &usize| fates.get(its).is_some_and(|fate| !fate.ended);
-                    let its = its.filter(goes_on).ok_or(Elsewhere)?;
+                    let its = its.filter(|&its| its < fates.len()).ok_or(Elsewhere)?;
+                    if fates[its].ended {
+                        return Ok(false);
+                    }
                     if its == body {
                         last = side.last;
                     } else if is_new {
@@ -271,7 +276,7 @@ impl Past<'_> {
                 spot = last;
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     fn is_undone(&self, spot: Spot, stripes: &Stripes<'_>) -> bool {

@@ -31,11 +31,12 @@ const PUSHED: f64 = 0.125;
 /// it may have, and is faster than so many of gravity's kicks, may go through others: they are too light to turn it back. What
 /// only sinks among light ones is slower.
 const RAMMING: (f64, f64) = (0.05, 50.0);
-/// Under gravity a ball that had no room in so many substeps in a row in which any was looked for is left alone in the next, with
-/// those that do not ram it. If none is, ten piles of unlike balls in 120 find no rest; with 4, two of them, and more balls go
-/// through others.
+/// Under gravity, where a ball had no room in so many substeps in a row in which any was looked for, its pairs with balls that do
+/// not ram it are not looked at in the next. If all always are, ten piles of unlike balls in 120 find no rest; with 4, two of
+/// them, and more balls go through others.
 const LONG_STUCK: u8 = 16;
-/// The same with those that do: if never, five piles in 240 find no rest; with 48, a quarter more tubes let one through.
+/// The same for its pairs with balls that ram it: if all always are, five piles in 240 find no rest; with 48, a quarter more
+/// tubes let one through.
 const LONG_RAMMED: u8 = 96;
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
 const TURNS: u32 = 4;
@@ -65,6 +66,7 @@ impl Contact {
     pub(super) fn note_room(&mut self) {
         let Self { setting, bodies, room, team, pairs: true, .. } = self else { return };
         let layout = Layout::of(bodies.len());
+        room.short.clear();
         room.starts.resize(bodies.len(), DVec2::ZERO);
         let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
         team.each(shares, |(starts, bodies)| {
@@ -76,7 +78,6 @@ impl Contact {
 
     /// Has bodies that would end in others go only as far as there is room. All have moved.
     pub(super) fn keep_to_room(&mut self) {
-        self.room.short.clear();
         self.sweep(&[Pass::FIND_DEEP]);
         let Self { setting, bodies, restitutions, rests, near: Some(near), course, room, .. } = self else {
             return;

@@ -3,7 +3,8 @@
 //! What held a ball goes on holding it in the next substep, which is right where it rests, or nearly so. Between others of
 //! many times its mass it may be given more than any rest needs: given again, that would be speed from nowhere, which
 //! impacts would pass on. So would what drives a ball against another, off which it bounces back to where it is held: both
-//! would go on for ever. Such balls are let go of, and start anew, no faster than they were, or than what counts as thrown.
+//! would go on for ever. Such balls are let go of, and start anew; where something carries them, no faster than they were, or
+//! than what counts as thrown.
 //! What held others against them would throw those now: they are let go of, too.
 
 use glam::DVec2;

@@ -65,9 +65,10 @@ impl Stage<'_> {
         let flies = |at: usize| {
             let body = &self.bodies[at];
             let free = body.inverse_mass == 0.0 || body.velocity == body.free;
-            free && !self.rests[at].asleep && !self.fates[at].is_over()
+            free && !self.rests[at].asleep
         };
-        if !(flies(bodies.0) && flies(bodies.1)) {
+        let parted = self.fates[bodies.0].parts_with(&self.fates[bodies.1]);
+        if parted || !(flies(bodies.0) && flies(bodies.1)) {
             return None;
         }
         let held = stripes.list[spot.stripe as usize].marks[spot.at as usize].has(Marks::HELD);

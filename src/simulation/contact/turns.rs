@@ -181,7 +181,7 @@ fn take_left(stage: &mut Stage<'_>, near: &mut Near, mut past: Past<'_>) {
     let mut struck: Vec<_> = left.into_iter().map(|body| (body, stage.fates[body].time)).collect();
     go_on(stage, near, &mut past, &mut struck);
     while let Some(event) = next(stage, near) {
-        let hit = stage.take(&event, &mut near.all());
+        let hit = past.take(&event, stage, &mut near.all());
         struck.extend(hit.into_iter().flatten().map(|body| (body, event.time)));
         go_on(stage, near, &mut past, &mut struck);
     }
@@ -197,7 +197,7 @@ fn go_on(stage: &mut Stage<'_>, near: &mut Near, past: &mut Past<'_>, struck: &m
     }
     while let Some((body, time)) = struck.pop() {
         end_with_others(stage, near, body, time);
-        // All is known here.
+        // Nothing is elsewhere.
         let _ = past.foresee(body, time, stage, &mut near.all(), struck);
     }
 }

@@ -210,8 +210,11 @@ impl Exact {
         let pressed = N::HOLDS && self.pulls[rests1] != self.pulls[rests2];
         let plain = least == 0.0 && !chatter.0 && !chatter.1 && !self.wedged();
         let (meeting, e) = if pressed || least > 0.0 {
-            let hop = if pressed && !self.wedged() { self.least_hop(restitution) } else { 0.0 };
-            let hop = hop * self.sliding_part(meeting.offset, [rests1, rests2]);
+            let hop = if pressed && !self.wedged() {
+                self.least_hop(restitution) * self.sliding_part(meeting.offset, [rests1, rests2])
+            } else {
+                0.0
+            };
             (meeting.parting_at(least.max(hop), restitution), restitution)
         } else {
             (meeting, e)
