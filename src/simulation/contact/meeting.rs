@@ -13,6 +13,9 @@ const CLOSE: f64 = 1.05;
 /// Centres closer than this, px, have no direction from one to the other.
 pub(super) const COINCIDENT: f64 = 1e-150;
 
+/// Steps of Newton's method from the straight way to the parabola, which are thousandths of a pixel apart.
+const STEPS: u32 = 2;
+
 /// How near two balls may come in a substep, by the tangent of their squared distance, which lies above it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Approach {
@@ -86,18 +89,46 @@ impl Meeting {
         if time > setting.substep {
             return None;
         }
-        let offset = offset + velocity * wait;
-        // By the velocity at the time of impact, or, where they pressed on each other before, by that without what
-        // presses them together now; but by no more than the mean velocity in the substep, in which what they were
-        // given already counts: none may give more than it finds.
+        let met = Self { time, offset: offset + velocity * wait, length: 0.0, speed: 0.0 };
         let change = first.change(setting.kick) - second.change(setting.kick);
-        let then = velocity + change * if firm.is_some() { -1.0 } else { time / setting.substep - 0.5 };
-        let closing = offset.dot(velocity).max(offset.dot(then));
-        let length = offset.length();
-        if closing >= 0.0 || length < COINCIDENT {
-            return None;
+        let met = if firm.is_none() && flies(first) && flies(second) {
+            met.on_parabola(setting, (velocity, change), since)
+        } else {
+            // By the velocity at the time of impact, or, where they pressed on each other before, by that without what
+            // presses them together now; but by no more than the mean velocity in the substep, in which what they were
+            // given already counts: none may give more than it finds.
+            let share = if firm.is_some() { -1.0 } else { time / setting.substep - 0.5 };
+            let closing = met.offset.dot(velocity).max(met.offset.dot(velocity + change * share));
+            let length = met.offset.length();
+            Self { length, speed: -closing / length, ..met }
+        };
+        (met.speed > 0.0 && met.length >= COINCIDENT).then_some(met)
+    }
+
+    /// The same of two on which nothing but gravity acts, if on both: then they go straight, each seen from the other. One that a
+    /// fixed ball turns back goes on a parabola, above the straight way from the one end of the substep to the other; when they
+    /// touch on that, follows by Newton's method.
+    fn on_parabola(self, setting: &Setting, (velocity, change): (DVec2, DVec2), since: f64) -> Self {
+        let (reach, straight) = (self.offset.length(), self.time);
+        let at = |time: f64| {
+            let part = time / setting.substep;
+            let offset = self.offset + velocity * (time - straight) + change * (0.5 * time * (part - 1.0));
+            (offset, velocity + change * (part - 0.5))
+        };
+        let mut time = straight;
+        if change != DVec2::ZERO && straight > since {
+            for _ in 0..STEPS {
+                let (offset, then) = at(time);
+                let closing = offset.dot(then);
+                if closing < 0.0 {
+                    let late = (reach - offset.length()) * offset.length() / closing;
+                    time = (time + late).clamp(since, setting.substep);
+                }
+            }
         }
-        Some(Self { time, offset, length, speed: -closing / length })
+        let (offset, then) = at(time);
+        let length = offset.length();
+        Self { time, offset, length, speed: -offset.dot(then) / length }
     }
 
     /// Gives both their impulse.
@@ -108,6 +139,11 @@ impl Meeting {
         strike(&mut bodies[first], change * one, self.time);
         strike(&mut bodies[second], -change * other, self.time);
     }
+}
+
+/// Whether nothing but gravity acts on a body, or nothing moves it.
+fn flies(body: &Body) -> bool {
+    body.inverse_mass == 0.0 || body.velocity == body.free
 }
 
 /// Gives a pair its impulses, and wakes it where they are not small. Pairs must be linked.
