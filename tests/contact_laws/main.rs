@@ -11,6 +11,7 @@ mod numbers;
 mod piles;
 mod random;
 mod sleep;
+mod slides;
 mod wedges;
 
 use carom::simulation::grid::Grid;

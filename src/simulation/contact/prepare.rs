@@ -137,7 +137,9 @@ impl Stripe {
         let mut constraint = known
             .unwrap_or_else(|| Constraint::none(pair, (first.inverse_mass + second.inverse_mass).recip()));
         let carried = constraint.impulse;
-        let near = prepare(setting, &mut constraint, (first, second), shift_of(fates, pair), met);
+        let on_fixed = [pair.first, pair.second].iter().any(|&body| rests[body as usize].own == 0.0);
+        let slow = setting.slow_turn(first.radius + second.radius, on_fixed);
+        let near = prepare(setting, &mut constraint, (first, second), (shift_of(fates, pair), met), slow);
         if known.is_some() {
             constraints[*place as usize] = constraint;
         } else if near {
@@ -213,12 +215,37 @@ fn follow(
     let out = reach - distance;
     let mut turned = *constraint;
     turned.least = setting.least_parting(lesser(setting.softness.mended * out, out), reach);
-    give(turned.turn(offset / distance), first, second);
+    give(turned.turn(offset / distance, setting.slow_turn(reach, false)), first, second);
     solve(&mut turned, first, second, setting.softness.yielding);
     *constraint = turned;
 }
 
+/// How much the direction of a pair turns in a substep, rad, at most, where its balls slide on each other slowly.
+#[derive(Debug, Clone, Copy)]
+struct SlowTurn {
+    /// How far they slide then, px, squared, ...
+    way: f64,
+    /// ... and the sum of their radii.
+    reach: f64,
+}
+
+impl SlowTurn {
+    /// Whether it does, by the square of what it turns by.
+    #[inline]
+    fn is(self, turned: f64) -> bool {
+        turned * self.reach * self.reach < self.way
+    }
+}
+
 impl Setting {
+    /// How much the direction of two balls, of radii with this sum, may turn while they slide slowly. On a fixed one none of
+    /// many balls slides for what moves below it.
+    #[inline]
+    fn slow_turn(&self, reach: f64, on_fixed: bool) -> SlowTurn {
+        let way = if on_fixed { self.firm } else { self.gripping } * self.substep;
+        SlowTurn { way: way * way, reach }
+    }
+
     /// How fast two balls, of radii with this sum, have to part to go so far in a substep, px: px/s. No faster than
     /// overlaps are taken away.
     #[inline]
@@ -239,12 +266,12 @@ fn prepare(
     setting: &Setting,
     constraint: &mut Constraint,
     (first, second): (&mut Body, &mut Body),
-    shift: Shift,
-    met: bool,
+    (shift, met): (Shift, bool),
+    slow: SlowTurn,
 ) -> bool {
     if shift == Shift::Far {
         let_go(constraint, first, second);
-        return hold_at_end(setting, constraint, first, second);
+        return hold_at_end(setting, constraint, (first, second), slow);
     }
     let offset = first.position - second.position;
     let squared = offset.length_squared();
@@ -266,12 +293,12 @@ fn prepare(
         // They pass each other as they go now, and circles curve away from the tangent where they are: one where they
         // will be brakes nothing, unless others turn them.
         let normal = end.normalize();
-        give(constraint.turn(normal), first, second);
+        give(constraint.turn(normal, slow), first, second);
         constraint.least = (reach - offset.dot(normal)) / setting.substep;
         return true;
     }
     let normal = direction(offset, distance);
-    give(constraint.turn(normal), first, second);
+    give(constraint.turn(normal, slow), first, second);
     let way = if apart {
         -gap.max(0.0)
     } else {
@@ -297,14 +324,19 @@ fn prepare(
 
 /// Holds two balls apart of which one comes from far away, if they would lie in each other at the substep's end. That is
 /// where they are: where a fast ball that was hit stands now says nothing of it.
-fn hold_at_end(setting: &Setting, constraint: &mut Constraint, first: &mut Body, second: &mut Body) -> bool {
+fn hold_at_end(
+    setting: &Setting,
+    constraint: &mut Constraint,
+    (first, second): (&mut Body, &mut Body),
+    slow: SlowTurn,
+) -> bool {
     let end = first.end(setting.substep) - second.end(setting.substep);
     let (distance, reach) = (end.length(), first.radius + second.radius);
     if distance >= reach {
         return false;
     }
     let normal = direction(end, distance);
-    give(constraint.turn(normal), first, second);
+    give(constraint.turn(normal, slow), first, second);
     let stands = (first.position - second.position).dot(normal);
     constraint.least = setting.least_parting(reach - stands, reach);
     solve(constraint, first, second, setting.softness.yielding);
@@ -321,14 +353,15 @@ impl Constraint {
     /// Turns it into another direction. By how much that changes what it gives the first ball, mass·px/s.
     ///
     /// What was given along the old one turns into the new one within some twenty substeps, as if the balls gripped each
-    /// other a little: that works against the motion that turns it, and lets piles come to rest. Where the direction
-    /// turns by more in a substep, or nothing presses any more, nothing is left of it.
+    /// other a little: that works against the motion that turns it, and lets piles come to rest. Where they slide on each other
+    /// fast, there is no grip. Where the direction turns by more in a substep, or nothing presses any more, nothing is left.
     #[inline]
-    fn turn(&mut self, normal: DVec2) -> DVec2 {
+    fn turn(&mut self, normal: DVec2, slow: SlowTurn) -> DVec2 {
         let given = self.normal * self.impulse + self.grip;
-        let steady = (normal - self.normal).length_squared() < STEADY * STEADY;
-        if steady && self.impulse > 0.0 {
-            self.grip = (given - normal * self.impulse) * (1.0 - LOOSENED);
+        let turned = (normal - self.normal).length_squared();
+        if turned < STEADY * STEADY && self.impulse > 0.0 {
+            let left = if slow.is(turned) { 1.0 - LOOSENED } else { 0.0 };
+            self.grip = (given - normal * self.impulse) * left;
         } else {
             (self.impulse, self.grip) = (0.0, DVec2::ZERO);
         }

@@ -193,6 +193,7 @@ impl Setting {
             softness: Softness::of(MOST, false),
             differ: false,
             to_the_end: None,
+            gripping: f64::INFINITY,
         };
         setting.with_length(substeps)
     }
