@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// A part of the library, the parts of it that it may name, and the libraries that it may use.
 const HOUSE: &[(&str, &[&str], &[&str])] = &[
     ("simulation", &[], &["glam", "proptest"]),
-    ("scene", &["simulation"], &["glam", "rand", "serde", "thiserror", "toml"]),
+    ("scene", &["simulation"], &["glam", "rand", "serde", "strsim", "thiserror", "toml"]),
     ("session", &["simulation", "scene"], &["glam", "thiserror"]),
     (
         "paint",

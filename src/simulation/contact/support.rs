@@ -28,17 +28,15 @@ const ROUNDS: u32 = 3;
 /// The same among few balls, where a crash is followed to its end, and so is what a steep wedge bears, or a flat arch: sweeps
 /// find that slowly, and what is missing would be stored in overlaps, and given back as speed.
 const ROUNDS_OF_FEW: u32 = 300;
-/// The same where masses differ: what counts as heavier than it is gives energy to what it drives apart, and more of it the
-/// nearer sweeps come to their end.
-const ROUNDS_OF_FEW_MIXED: u32 = 32;
 /// The same of more balls whose masses differ, so that heavy balls come through light ones, and light ones come to rest beside heavy ones:
 /// with 50, more of them are squeezed out with speed from nowhere ...
 const ROUNDS_OF_MIXED: u32 = 16;
 /// ... or fewer, down to [`ROUNDS`], where these would hold more than so many pairs in all: thousands stay in real time.
 const PAIRS_OF_MIXED: usize = 100_000;
-/// Among some hundred balls, which hold up to so many pairs ...
-const PAIRS_OF_SOME: usize = 600;
-/// ... there are more rounds, too, ...
+/// Among so many balls ...
+const SOME: usize = 400;
+/// ... there are more rounds, too, and so there are among few whose masses differ: what counts as heavier than it is gives energy
+/// to what it drives apart, and more of it the nearer sweeps come to their end; ...
 const ROUNDS_OF_SOME: u32 = 32;
 /// ... and sweeps have not settled either where a change is more than so many kicks of gravity: among small balls, large ones may
 /// wedge each other in.
@@ -47,7 +45,7 @@ const FAST: f64 = 2.0;
 const MANY: usize = 64;
 /// Sweeps have settled where none of their changes moves a ball by more than this part of its radius in the substep.
 const SETTLED: f64 = 5e-3;
-/// The same where masses differ.
+/// The same where masses differ, or few of many balls are awake.
 const SETTLED_OF_MIXED: f64 = 1e-3;
 /// Among few balls, the same of all that sweeps would change yet, if each changes as much less than the one before as the last
 /// one did ...
@@ -154,23 +152,21 @@ impl Contact {
             _ if kick == DVec2::ZERO => Sweeps { rounds: 1, ..usual },
             // It does not settle before there is room again.
             Some(near) if near.crowd => Sweeps { rounds: 1, ..usual },
+            _ if few && !differ => {
+                let (rounds, settled) = (ROUNDS_OF_FEW, SETTLED_OF_FEW);
+                Sweeps { rounds, settled, fast: FAST_OF_FEW * kick.length(), to_the_end: true, ..usual }
+            }
             // As many as few balls may have: the others fly, or sleep.
             Some(near) if few || near.touched <= 3 * FEW => {
                 let left = if few { yielding } else { yielding_of_few };
-                if differ {
-                    Sweeps { rounds: ROUNDS_OF_FEW_MIXED, settled: SETTLED_OF_MIXED, left, ..usual }
-                } else {
-                    let (rounds, settled) = (ROUNDS_OF_FEW, SETTLED_OF_FEW);
-                    let fast = FAST_OF_FEW * kick.length();
-                    Sweeps { rounds, settled, fast, left, to_the_end: true }
-                }
+                Sweeps { rounds: ROUNDS_OF_SOME, settled: SETTLED_OF_MIXED, left, ..usual }
             }
             Some(near) if differ => {
                 let affordable = (PAIRS_OF_MIXED / near.touched.max(1)) as u32;
                 let rounds = affordable.clamp(ROUNDS, ROUNDS_OF_MIXED);
                 Sweeps { rounds, settled: SETTLED_OF_MIXED, ..usual }
             }
-            Some(near) if near.touched <= PAIRS_OF_SOME => {
+            _ if self.bodies.len() <= SOME => {
                 Sweeps { rounds: ROUNDS_OF_SOME, fast: FAST * kick.length(), ..usual }
             }
             _ => usual,
