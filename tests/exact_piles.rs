@@ -236,6 +236,28 @@ fn a_ball_driven_into_a_wedge_ends_no_run() {
     }
 }
 
+/// A window's edge had pressed them into each other: they took 1.8 million impacts a second of computing, and no time passed.
+#[test]
+fn two_balls_in_each_other_in_a_pocket_end_no_run() {
+    let world = World::new(DVec2::new(394.344_943_779_613, 396.658_629_754_767_4)).unwrap();
+    let world = world.with_walls(0.5).unwrap().with_gravity(DVec2::new(0.0, EARTH)).unwrap();
+    let rough = |x: f64, y: f64, radius: f64| ball(x, y, radius).with_restitution(0.3).unwrap();
+    let balls = vec![
+        ball(361.432_549_544_585_4, 380.889_605_726_578_34, 8.561_604_912_728_939).fixed(),
+        moving(rough(376.719_492_814_430_74, 388.279_998_873_596_75, 8.378_630_881_171_322), 0.77, 0.0),
+        moving(rough(389.010_598_152_685_36, 391.324_284_127_840_43, 5.334_345_626_927_651), 0.785, 0.0),
+    ];
+    let mut pocket = exact(world.with_pairs(Pairs::Impulse), balls);
+    let mut looks = 0;
+    // It is asked after every 256 events.
+    let done = pocket.advance_while(5.0, || {
+        looks += 1;
+        looks < 1000
+    });
+    assert_eq!(done, Ok(5.0), "after {:?}", pocket.tally());
+    assert_eq!(non_finite(pocket.balls()), 0);
+}
+
 #[test]
 fn a_ball_comes_to_rest_between_a_wall_and_a_fixed_ball_however_steep_their_wedge() {
     let mut restless = Vec::new();
