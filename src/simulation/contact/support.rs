@@ -28,8 +28,8 @@ const ROUNDS: u32 = 3;
 /// The same among few balls, where a crash is followed to its end, and so is what a steep wedge bears, or a flat arch: sweeps
 /// find that slowly, and what is missing would be stored in overlaps, and given back as speed.
 const ROUNDS_OF_FEW: u32 = 300;
-/// The same of more balls whose masses differ, so that heavy balls come through light ones, and light ones come to rest beside heavy ones:
-/// with 50, more of them are squeezed out with speed from nowhere ...
+/// The same of more balls whose masses differ, so that heavy balls come through light ones, and light ones come to rest beside
+/// heavy ones: with 50, more of them are squeezed out with speed from nowhere ...
 const ROUNDS_OF_MIXED: u32 = 16;
 /// ... or fewer, down to [`ROUNDS`], where these would hold more than so many pairs in all: thousands stay in real time.
 const PAIRS_OF_MIXED: usize = 100_000;
@@ -50,9 +50,10 @@ const SETTLED_OF_MIXED: f64 = 1e-3;
 /// Among few balls, the same of all that sweeps would change yet, if each changes as much less than the one before as the last
 /// one did ...
 const SETTLED_OF_FEW: f64 = 2e-4;
-/// ... the first of which is taken to change this part of what one before it had, and no more than so many kicks of gravity.
-const FIRST_DECAY: f64 = 0.9;
+/// ... and no more than so many kicks of gravity.
 const FAST_OF_FEW: f64 = 0.5;
+/// The first sweep there and back is taken to change this part of what one before it had.
+const FIRST_DECAY: f64 = 0.9;
 
 /// What sweeps that have settled may change speeds by.
 #[derive(Debug, Clone, Copy)]
