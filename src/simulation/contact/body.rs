@@ -38,6 +38,12 @@ impl Body {
         self.position + self.velocity * substep
     }
 
+    /// Whether nothing but gravity acts on it, or nothing moves it.
+    #[inline]
+    pub(super) fn is_free(&self) -> bool {
+        self.inverse_mass == 0.0 || self.velocity == self.free
+    }
+
     /// By what gravity and supports change its velocity from one substep to the next.
     #[inline]
     pub(super) fn change(&self, kick: DVec2) -> DVec2 {

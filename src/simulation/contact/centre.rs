@@ -46,10 +46,10 @@ impl Near {
 
     /// Those that were.
     fn strays(&self) -> impl Iterator<Item = usize> {
-        self.layout.numbers(Layer::Own).flat_map(|number| {
-            let (start, strays) =
-                (self.layout.start(number), self.stripes.get(number).map(|stripe| &stripe.strays));
-            strays.into_iter().flatten().map(move |&at| start + at as usize)
-        })
+        let stripes = self
+            .layout
+            .numbers(Layer::Own)
+            .filter_map(|number| Some((self.layout.start(number), self.stripes.get(number)?)));
+        stripes.flat_map(|(start, stripe)| stripe.strays.iter().map(move |&at| start + at as usize))
     }
 }

@@ -89,46 +89,22 @@ impl Meeting {
         if time > setting.substep {
             return None;
         }
-        let met = Self { time, offset: offset + velocity * wait, length: 0.0, speed: 0.0 };
+        let touch = (time, offset + velocity * wait);
         let change = first.change(setting.kick) - second.change(setting.kick);
-        let met = if firm.is_none() && flies(first) && flies(second) {
-            met.on_parabola(setting, (velocity, change), since)
+        let (time, offset, closing) = if firm.is_none() && first.is_free() && second.is_free() {
+            let (time, offset, then) = on_parabola(setting, touch, (velocity, change), since);
+            (time, offset, offset.dot(then))
         } else {
             // By the velocity at the time of impact, or, where they pressed on each other before, by that without what
             // presses them together now; but by no more than the mean velocity in the substep, in which what they were
             // given already counts: none may give more than it finds.
-            let share = if firm.is_some() { -1.0 } else { time / setting.substep - 0.5 };
-            let closing = met.offset.dot(velocity).max(met.offset.dot(velocity + change * share));
-            let length = met.offset.length();
-            Self { length, speed: -closing / length, ..met }
+            let then = velocity + change * if firm.is_some() { -1.0 } else { time / setting.substep - 0.5 };
+            let (time, offset) = touch;
+            (time, offset, offset.dot(velocity).max(offset.dot(then)))
         };
-        (met.speed > 0.0 && met.length >= COINCIDENT).then_some(met)
-    }
-
-    /// The same of two on which nothing but gravity acts, if on both: then they go straight, each seen from the other. One that a
-    /// fixed ball turns back goes on a parabola, above the straight way from the one end of the substep to the other; when they
-    /// touch on that, follows by Newton's method.
-    fn on_parabola(self, setting: &Setting, (velocity, change): (DVec2, DVec2), since: f64) -> Self {
-        let (reach, straight) = (self.offset.length(), self.time);
-        let at = |time: f64| {
-            let part = time / setting.substep;
-            let offset = self.offset + velocity * (time - straight) + change * (0.5 * time * (part - 1.0));
-            (offset, velocity + change * (part - 0.5))
-        };
-        let mut time = straight;
-        if change != DVec2::ZERO && straight > since {
-            for _ in 0..STEPS {
-                let (offset, then) = at(time);
-                let closing = offset.dot(then);
-                if closing < 0.0 {
-                    let late = (reach - offset.length()) * offset.length() / closing;
-                    time = (time + late).clamp(since, setting.substep);
-                }
-            }
-        }
-        let (offset, then) = at(time);
         let length = offset.length();
-        Self { time, offset, length, speed: -offset.dot(then) / length }
+        let meets = closing < 0.0 && length >= COINCIDENT;
+        meets.then(|| Self { time, offset, length, speed: -closing / length })
     }
 
     /// Gives both their impulse.
@@ -141,9 +117,35 @@ impl Meeting {
     }
 }
 
-/// Whether nothing but gravity acts on a body, or nothing moves it.
-fn flies(body: &Body) -> bool {
-    body.inverse_mass == 0.0 || body.velocity == body.free
+/// When two meet on which nothing but gravity acts, where the first is then, seen from the second, and how fast it goes; by when
+/// and where they touch on the straight way through the substep. If gravity acts on both, that is how each goes, seen from the
+/// other. One that a fixed ball turns back goes on a parabola above it, between the same ends: when they touch on that follows
+/// by Newton's method.
+fn on_parabola(
+    setting: &Setting,
+    (straight, touch): (f64, DVec2),
+    (velocity, change): (DVec2, DVec2),
+    since: f64,
+) -> (f64, DVec2, DVec2) {
+    let reach = touch.length();
+    let at = |time: f64| {
+        let part = time / setting.substep;
+        let offset = touch + velocity * (time - straight) + change * (0.5 * time * (part - 1.0));
+        (offset, velocity + change * (part - 0.5))
+    };
+    let mut time = straight;
+    if change != DVec2::ZERO && straight > since {
+        for _ in 0..STEPS {
+            let (offset, then) = at(time);
+            let closing = offset.dot(then);
+            if closing < 0.0 {
+                let late = (reach - offset.length()) * offset.length() / closing;
+                time = (time + late).clamp(since, setting.substep);
+            }
+        }
+    }
+    let (offset, then) = at(time);
+    (time, offset, then)
 }
 
 /// Gives a pair its impulses, and wakes it where they are not small. Pairs must be linked.

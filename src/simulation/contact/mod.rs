@@ -260,30 +260,13 @@ impl Contact {
                 Pass::RELAX_ON_WALLS,
                 Pass::FIND_THROWN,
             ];
-            if self.any_unfollowed() {
-                let (moves, others) = passes.split_at(3);
-                self.sweep(moves);
-                self.keep_to_room();
-                self.keep_centres();
-                self.sweep(others);
-                self.bounce_off_barred();
-            } else {
-                self.sweep(&passes);
-                self.keep_centres();
-            }
+            self.move_on(&passes, 3);
             self.keep_energy();
             self.let_go_of_deep();
             self.let_go_of_thrown();
             self.wake_unbalanced();
         } else {
-            self.sweep(&[Pass::TRAVEL]);
-            if self.any_unfollowed() {
-                self.keep_to_room();
-                self.keep_centres();
-                self.bounce_off_barred();
-            } else {
-                self.keep_centres();
-            }
+            self.move_on(&[Pass::TRAVEL], 1);
         }
         if self.near.is_none() {
             self.fly();
@@ -294,6 +277,21 @@ impl Contact {
         }
         self.look_for_calm();
         self.fall_asleep();
+    }
+
+    /// Sweeps through these passes, and keeps balls out of others once so many of them have moved them.
+    fn move_on(&mut self, passes: &[Pass<'_>], moves: usize) {
+        if self.any_unfollowed() {
+            let (moves, others) = passes.split_at(moves);
+            self.sweep(moves);
+            self.keep_to_room();
+            self.keep_centres();
+            self.sweep(others);
+            self.bounce_off_barred();
+        } else {
+            self.sweep(passes);
+            self.keep_centres();
+        }
     }
 
     /// Gravity, and what held each ball in the last substep.

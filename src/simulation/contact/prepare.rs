@@ -238,8 +238,8 @@ impl SlowTurn {
 }
 
 impl Setting {
-    /// How much the direction of two balls, of radii with this sum, may turn while they slide slowly. On a fixed one none of
-    /// many balls slides for what moves below it.
+    /// How much the direction of two balls, of radii with this sum, may turn while they slide slowly. A fixed one does not give
+    /// way: on it only slow sliding is gripped, among many balls, too.
     #[inline]
     fn slow_turn(&self, reach: f64, on_fixed: bool) -> SlowTurn {
         let way = if on_fixed { self.firm } else { self.gripping } * self.substep;

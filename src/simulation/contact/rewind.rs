@@ -233,8 +233,8 @@ impl Past<'_> {
         Ok(back)
     }
 
-    /// Marks an impact of a body as undone, and all that came of it, and gathers where they stand. Whether they can be: where
-    /// the substep has ended for a ball, fast ones are not where they were, nor are those that it hit them with.
+    /// Marks an impact of a body as undone, and all that came of it, and gathers where they stand. Whether they can be undone: not
+    /// where the substep has ended for one of their balls, which need not be where it was any more.
     fn find_all(
         &self,
         body: usize,

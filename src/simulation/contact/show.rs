@@ -122,9 +122,7 @@ impl Contact {
     /// Whether nothing but gravity and impacts moved a body in the substep that is over.
     fn flies(&self, at: usize) -> bool {
         let body = &self.bodies[at];
-        body.inverse_mass > 0.0
-            && body.velocity == body.free
-            && self.held.get(at).is_none_or(|held| !held.any())
+        body.inverse_mass > 0.0 && body.is_free() && self.held.get(at).is_none_or(|held| !held.any())
     }
 
     /// A body's position and velocity at the end of the last substep, or after this share of it.

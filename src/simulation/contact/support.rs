@@ -105,12 +105,14 @@ impl Contact {
                 return;
             }
             if to_the_end {
-                let pressed = stripe.solve_inward_of_few(share.bodies, left, enough);
+                let pressed = stripe.measure_inward(share.bodies, left, enough);
                 let change = pressed.max(hold_on_walls(setting, share.bodies, &mut stripe.beside, enough));
                 let before = std::mem::replace(&mut stripe.changed, change);
                 stripe.unsettled = goes_on(change, before);
             } else {
-                let pressed = stripe.solve_inward(share.bodies, left, enough);
+                // No more than that is asked for, and a quotient for each pair would cost.
+                let mut pressed = false;
+                stripe.solve_inward(share.bodies, left, |speed, reach| pressed |= speed > enough.of(reach));
                 let held = hold_on_walls(setting, share.bodies, &mut stripe.beside, enough) > 1.0;
                 stripe.unsettled = pressed || held;
             }
@@ -119,7 +121,7 @@ impl Contact {
             if !stripe.unsettled {
                 return;
             }
-            hold_on_walls(setting, share.bodies, &mut stripe.beside, enough);
+            hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
             stripe.solve_outward(share.bodies, left);
         };
         let (inward, outward) =
@@ -263,35 +265,28 @@ impl Stripe {
         let mut before = f64::INFINITY;
         for _ in 1..ROUNDS_OF_FEW {
             let relaxed = relax_on_walls(bodies, &mut self.beside, enough);
-            let change = self.solve_inward_of_few(bodies, 1.0, enough).max(relaxed);
+            let change = self.measure_inward(bodies, 1.0, enough).max(relaxed);
             if !goes_on(change, std::mem::replace(&mut before, change)) {
                 break;
             }
         }
     }
 
-    /// Holds all pairs apart that touch, one after the other with gravity. Whether that changes the speed at which any part by
-    /// more than is enough.
-    fn solve_inward(&mut self, bodies: &mut [Body], left: f64, enough: Tolerance) -> bool {
+    /// Holds all pairs apart that touch, one after the other with gravity, and tells by how much that changes the speed at which
+    /// each parts, px/s, and the sum of its radii.
+    #[inline]
+    fn solve_inward(&mut self, bodies: &mut [Body], left: f64, mut tell: impl FnMut(f64, f64)) {
         let Self { constraints, touching, .. } = self;
-        let mut moves = false;
         each(constraints, touching.iter().rev(), bodies, |constraint, first, second| {
             let change = solve(constraint, first, second, left).abs();
-            let speed = change * (first.inverse_mass + second.inverse_mass);
-            moves |= speed > enough.of(first.radius + second.radius);
+            tell(change * (first.inverse_mass + second.inverse_mass), first.radius + second.radius);
         });
-        moves
     }
 
-    /// The same. How many times as much as is enough that is at most.
-    fn solve_inward_of_few(&mut self, bodies: &mut [Body], left: f64, enough: Tolerance) -> f64 {
-        let Self { constraints, touching, .. } = self;
+    /// The same. The most that changes, in times what is enough.
+    fn measure_inward(&mut self, bodies: &mut [Body], left: f64, enough: Tolerance) -> f64 {
         let mut most = 0.0_f64;
-        each(constraints, touching.iter().rev(), bodies, |constraint, first, second| {
-            let change = solve(constraint, first, second, left).abs();
-            let speed = change * (first.inverse_mass + second.inverse_mass);
-            most = most.max(speed / enough.of(first.radius + second.radius));
-        });
+        self.solve_inward(bodies, left, |speed, reach| most = most.max(speed / enough.of(reach)));
         most
     }
 

@@ -62,11 +62,7 @@ impl Stage<'_> {
     /// How a pair meets, if nothing but gravity acts on either of its balls, and they are not in each other already.
     fn meets(&self, spot: Spot, stripes: &Stripes<'_>) -> Option<Meets> {
         let bodies = pair(spot, stripes);
-        let flies = |at: usize| {
-            let body = &self.bodies[at];
-            let free = body.inverse_mass == 0.0 || body.velocity == body.free;
-            free && !self.rests[at].asleep
-        };
+        let flies = |at: usize| self.bodies[at].is_free() && !self.rests[at].asleep;
         let parted = self.fates[bodies.0].parts_with(&self.fates[bodies.1]);
         if parted || !(flies(bodies.0) && flies(bodies.1)) {
             return None;
