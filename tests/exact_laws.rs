@@ -115,6 +115,22 @@ fn galperins_billiard_counts_the_digits_of_pi() {
     }
 }
 
+/// Impacts that follow each other within a femtosecond counted as at one time, however fast balls are, and lost their energy.
+#[test]
+fn galperins_billiard_counts_the_digits_of_pi_in_any_room_and_at_any_speed() {
+    for (n, digits) in [(4, 31_415), (5, 314_159)] {
+        for (gap, speed) in [(1.0, 1e3), (0.01, 1e3), (1e-3, 1e5), (1e3, 1.0)] {
+            let light = ball(10.0 + gap, 50.0, 10.0, 0.0, 0.0);
+            let heavy = ball(30.0 + 2.0 * gap, 50.0, 10.0, -speed, 0.0).with_mass(100_f64.powi(n)).unwrap();
+            let world = world(1e6, 100.0).with_walls(1.0).unwrap().with_pairs(Pairs::Impulse);
+            let mut simulation = Simulation::new(world, vec![light, heavy], Solver::Exact).unwrap();
+            simulation.advance(100.0 * gap.max(1.0) / speed).unwrap();
+            let hits = simulation.tally().impacts + simulation.tally().wall_hits;
+            assert_eq!(hits, digits, "n = {n}, {gap} px, {speed} px/s");
+        }
+    }
+}
+
 #[test]
 fn a_ball_in_a_box_follows_the_unfolded_straight_line_for_a_million_bounces() {
     let world = world(1000.0, 700.0).with_walls(1.0).unwrap();

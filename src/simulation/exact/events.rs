@@ -8,9 +8,11 @@ use super::calendar::{self, Dawn, Entry};
 use super::flights::Target;
 use super::{Exact, Needs};
 
-/// Events that follow each other so fast on average, s, and without end, get nowhere: they count as at one time. Galperin's
-/// billiard with a mass ratio of 10¹⁴, of 31 million impacts, is slower.
+/// Events that follow each other so fast on average, s, and without end, count as at one time ...
 const CREEP: f64 = 1e-15;
+/// ... where balls go no farther between them than this part of their radius on average: the rounding of where they are. In
+/// Galperin's billiard with a mass ratio of 10¹⁴, of 31 million impacts, they go a million times as far or more.
+const NOWHERE: f64 = 1e-14;
 
 /// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
 const HITS_PER_YEAR: f64 = 1.0;
@@ -113,7 +115,7 @@ impl Exact {
     #[inline]
     fn take<N: Needs>(&mut self, tally: &mut Tally, entry: Entry) {
         let (slot, now) = (entry.ball as usize, entry.time);
-        if now > self.instant + INSTANT + CREEP * self.at_once as f64 {
+        if now > self.instant + INSTANT + CREEP * self.at_once as f64 || self.gets_on::<N>(slot, now) {
             (self.instant, self.at_once) = (now, 0);
         }
         self.count_event();
@@ -152,6 +154,13 @@ impl Exact {
                 }
             }
         }
+    }
+
+    /// Whether the events since the present time began get anywhere, however little time they take, by how fast this ball is.
+    fn gets_on<N: Needs>(&self, slot: usize, now: f64) -> bool {
+        let since = now - self.instant;
+        let way = since * self.flights[slot].velocity.length();
+        since > INSTANT && way > NOWHERE * self.matter::<N>(slot).radius * self.at_once as f64
     }
 
     /// Counts an event at the present time.
