@@ -143,6 +143,26 @@ fn within_a_substep_flying_balls_are_where_exact_has_them_as_fast_as_they_are_th
     }
 }
 
+/// A second click of the mouse does so before the next frame. The solver did not know it yet, and panicked.
+#[test]
+fn a_ball_that_was_added_is_thrown_before_anything_moves() {
+    for added in [1_u32, 2, 5] {
+        let begun = vec![ball(50.0, 290.0, 10.0), ball(70.0, 290.0, 10.0)];
+        let mut simulation = simulation(world(400.0, 300.0, 0.5).with_gravity(EARTH).unwrap(), begun);
+        simulation.advance(1.0).unwrap();
+        let place = |k: u32| DVec2::new(120.0 + 25.0 * f64::from(k), 100.0);
+        let more: Vec<_> = (0..added).map(|k| ball(place(k).x, place(k).y, 10.0)).collect();
+        simulation.add(&more).unwrap();
+        let thrown = DVec2::new(0.0, -200.0);
+        (0..added as usize).for_each(|k| simulation.set_velocity(2 + k, thrown).unwrap());
+        simulation.advance(0.25).unwrap();
+        for (ball, k) in simulation.balls()[2..].iter().zip(0..) {
+            let law = place(k) + 0.25 * thrown + 0.5 * 0.25 * 0.25 * EARTH;
+            assert!(ball.position().distance(law) < 1e-9, "{} is not {law}", ball.position());
+        }
+    }
+}
+
 #[test]
 fn a_ball_that_lies_is_thrown_from_where_it_lies_and_flies_as_in_exact() {
     let on_floor = |radius: f64| ball(200.0, 300.0 - radius, radius);

@@ -65,6 +65,27 @@ fn a_ball_that_bounces_on_a_fixed_one_under_gravity_does_as_with_exact_and_keeps
     }
 }
 
+/// Between a wall and a fixed ball one that met either in the substep before was turned back as if they pressed on each other.
+#[test]
+fn an_elastic_ball_keeps_its_energy_in_a_gap_where_it_hits_something_in_every_substep() {
+    let mut number = random(2);
+    for _ in 0..40 {
+        let radius = 10.0 + 20.0 * number();
+        let peg = ball(29.0 + radius * number(), 150.0, radius).fixed();
+        let place = DVec2::new(16.0, 150.0 - radius - 20.0);
+        let (aside, down) = (800.0 * number(), 600.0 * number());
+        let rattling = moving(ball(place.x, place.y, 14.0), aside, down);
+        let world = world(440.0, 440.0, 1.0).with_gravity(EARTH).unwrap();
+        let mut gap = simulation(world, vec![peg, rattling]);
+        let start = energy(&gap);
+        for _ in 0..120 {
+            gap.advance(FRAME).unwrap();
+            let change = energy(&gap) / start - 1.0;
+            assert!(change.abs() < 1e-9, "{change} of the energy after {:?}", gap.tally());
+        }
+    }
+}
+
 #[test]
 fn a_dropped_ball_bounces_as_high_as_its_restitution_says_and_comes_to_rest() {
     // h·e² after the first bounce, in closed form within the substep; at rest after √(2h/g)·(1+e)/(1−e).

@@ -34,6 +34,31 @@ fn a_column_at_rest_sleeps_and_falls_when_its_foot_is_knocked_away() {
     }
 }
 
+/// One that came slowly turned back, as off a wall, whatever its mass.
+#[test]
+fn a_slow_ball_gives_a_lighter_one_that_sleeps_its_impulse_and_goes_on() {
+    for (mass, restitution) in [(1.0, 0.9), (1e2, 0.5), (1e4, 0.0), (1e6, 1.0)] {
+        // What gives less than a kick of gravity, 4 px/s, to one as heavy leaves it asleep.
+        for speed in [7.0, 5.0, 3.0].into_iter().filter(|&speed| mass > 1.0 || speed > 4.5) {
+            let on_floor = |x: f64| ball(x, 90.0, 10.0).with_restitution(restitution).unwrap();
+            let sleeper = on_floor(100.0);
+            let coming = moving(on_floor(50.0).with_mass(mass).unwrap(), speed, 0.0);
+            let world = world(400.0, 100.0, 0.5).with_gravity(EARTH).unwrap();
+            let mut floor = simulation(world, vec![sleeper, coming]);
+            // Only just before they meet is it certain that the other sleeps.
+            floor.advance(29.0 / speed).unwrap();
+            assert_eq!(floor.balls()[0].velocity(), DVec2::ZERO);
+            floor.advance(2.0 / speed).unwrap();
+            let [struck, striking] = [0, 1].map(|k: usize| floor.balls()[k].velocity().x);
+            let centre = speed * mass / (mass + 1.0);
+            let laws = [centre * (1.0 + restitution), centre - restitution * speed / (mass + 1.0)];
+            for (is, law) in [struck, striking].into_iter().zip(laws) {
+                assert!((is - law).abs() < 1e-6 * speed, "{mass} at {speed} px/s: {is}, and not {law} px/s");
+            }
+        }
+    }
+}
+
 /// Two balls on each other, asleep.
 fn sleeping_pair() -> Simulation {
     let balls = vec![ball(600.0, 590.0, 10.0), ball(600.0, 570.0, 10.0)];

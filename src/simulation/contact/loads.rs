@@ -10,12 +10,10 @@ use glam::DVec2;
 use super::constraints::Marks;
 use super::near::Near;
 use super::show::Held;
-use super::sleep::Rest;
+use super::sleep::{Rest, tolerance};
 use super::stripes::{Holder, Stripes};
 use super::{Body, Setting};
 
-/// A ball rests where what acts on it is in balance up to this part of its weight and of all that presses on it.
-const EVEN: f64 = 0.15;
 /// Rounds over what carries a ball, where each may undo some of what the others did, at most.
 const ROUNDS: u32 = 32;
 /// A round that changes less than this part of a load is the last.
@@ -72,7 +70,7 @@ impl Resting<'_> {
             let given = self.stripes.given(at, rests[at].counted);
             let moves = given.velocity + setting.kick;
             let free = DVec2::select(grounded, DVec2::ZERO, self.off_walls(at, moves));
-            if free.length() >= EVEN * (setting.kick.length() + given.pressed) {
+            if free.length() >= tolerance(setting.kick, given.pressed) {
                 start[at] = moves / rests[at].counted;
             }
         }
@@ -136,7 +134,7 @@ impl Resting<'_> {
         let inverse_mass = rests[at].counted;
         let passed: f64 = below.iter().map(|passed| passed.impulse).sum();
         let pressed = stripes.given(at, inverse_mass).pressed + (passed + by_walls.length()) * inverse_mass;
-        loads.bears[at] = moves.length() * inverse_mass < EVEN * (setting.kick.length() + pressed);
+        loads.bears[at] = moves.length() * inverse_mass < tolerance(setting.kick, pressed);
         if !loads.bears[at] {
             return;
         }

@@ -30,8 +30,8 @@ const DEEP: f64 = 0.05;
 const EIGHTHS: u64 = 3;
 /// A ball that has had no rest when this was looked at so often wakes those that hold it.
 const RESTLESS: u32 = 4;
-/// A ball wakes where what acts on it differs from balance by more than this part of its weight: one of two that carried it may
-/// have gone away little by little ...
+/// A ball at rest wakes where what acts on it differs from balance by more than this part of its weight: one of two that carried
+/// it may have gone away little by little ...
 const WEIGHT: f64 = 0.15;
 /// ... and this part of all that presses on it more than its weight does.
 const PRESS: f64 = 0.35;
@@ -53,8 +53,8 @@ pub(super) struct Rest {
     anchor: DVec2,
     /// Whether it was elsewhere in the meantime.
     swung: bool,
-    /// Where it was a substep before its rest is looked at, and whether it was hit then.
-    last: (DVec2, bool),
+    /// Where it was a substep before its rest is looked at, and whether it was hit then; nothing where it was woken since.
+    last: Option<(DVec2, bool)>,
     /// How often its rest was looked at, and it had none, since it last slept, or woke those that hold it.
     pub(super) restless: u32,
     /// In how many substeps in a row, of those in which room was looked for, it has had none to go on (`room`).
@@ -64,8 +64,16 @@ pub(super) struct Rest {
 impl Rest {
     pub(super) fn new(body: &Body) -> Self {
         let (own, place) = (body.inverse_mass, body.position);
-        let last = (place, false);
-        Self { asleep: false, own, counted: own, anchor: place, swung: false, last, restless: 0, stuck: 0 }
+        Self {
+            asleep: false,
+            own,
+            counted: own,
+            anchor: place,
+            swung: false,
+            last: None,
+            restless: 0,
+            stuck: 0,
+        }
     }
 
     /// The inverse mass with which it takes impacts: 0 where it stands still whatever hits it.
@@ -112,7 +120,7 @@ impl Contact {
     /// Notes where balls are a substep before their rest is looked at.
     fn note_places(&mut self) {
         for (at, (rest, body)) in self.rests.iter_mut().zip(&self.bodies).enumerate() {
-            rest.last = (body.position, self.course.was_hit(at));
+            rest.last = Some((body.position, self.course.was_hit(at)));
         }
     }
 
@@ -127,7 +135,7 @@ impl Contact {
         let still = |at: usize, body: &Body, rest: &Rest| {
             // One that was hit just now has not gone far either. But one that others squeeze may be hit all the time, and
             // have a velocity that takes it nowhere.
-            let (last, was_hit) = rest.last;
+            let Some((last, was_hit)) = rest.last else { return false };
             let hops = course.was_hit(at) && !was_hit;
             let most = if hops { HOP } else { 1.0 } * setting.kick.length();
             let slow = body.velocity.length_squared() < most * most
@@ -162,6 +170,10 @@ impl Contact {
     pub(super) fn free_by_hand(&mut self, at: usize) {
         self.all_asleep = false;
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
+        if at >= near.homes.len() {
+            // It was added after pairs were searched: nothing holds it yet.
+            return;
+        }
         near.link_pairs(bodies.len());
         let stripes = &mut near.all();
         if rests[at].asleep {
@@ -227,15 +239,20 @@ impl Contact {
                     // What lost a support moves, however hard the others press.
                     let lost_much = lost * rests[at].counted > LOST * kick.length();
                     let pressed = if lost_much { 0.0 } else { given.pressed };
-                    let weight = kick.length();
-                    let tolerance = WEIGHT * weight + PRESS * (pressed - weight).max(0.0);
-                    if (given.velocity + kick).length_squared() > tolerance * tolerance {
+                    if (given.velocity + kick).length() > tolerance(kick, pressed) {
                         wake_after_substep(at, &given, kick, bodies, rests, stripes);
                     }
                 }
             }
         }
     }
+}
+
+/// By how much what acts on a ball at rest may differ from balance, as a change of its velocity in a substep, px/s, where so much
+/// presses on it. What is to fall asleep is in balance up to that, too: else it would wake of what it fell asleep in.
+pub(super) fn tolerance(kick: DVec2, pressed: f64) -> f64 {
+    let weight = kick.length();
+    WEIGHT * weight + PRESS * (pressed - weight).max(0.0)
 }
 
 /// Wakes a ball, at rest, once a substep is over, as if it had been held like this in it.
@@ -261,7 +278,7 @@ fn wake(
     stripes: &mut Stripes<'_>,
 ) -> DVec2 {
     let rest = &mut rests[at];
-    (rest.asleep, rest.anchor) = (false, bodies[at].position);
+    (rest.asleep, rest.anchor, rest.last) = (false, bodies[at].position, None);
     bodies[at].inverse_mass = rest.counted;
     stripes.weigh_pairs_of(at, bodies);
     let (moves, pressed) = ((given.velocity + kick).length(), given.pressed);
@@ -325,7 +342,7 @@ mod tests {
             go(&mut contact, swings + length);
             contact.bodies[1].position.x -= 5.0;
             go(&mut contact, window - length);
-            assert_eq!(contact.rests[0].last.0, contact.bodies[0].position);
+            assert_eq!(contact.rests[0].last.unwrap().0, contact.bodies[0].position);
             go(&mut contact, window);
             assert_eq!([0, 1].map(|at| contact.rests[at].asleep), [true, false], "{count} substeps");
             go(&mut contact, 2 * window);
@@ -341,7 +358,7 @@ mod tests {
             go(&mut contact, 357);
             // As far as it has come since: one that was hit before, too, is looked at by that.
             contact.bodies[0].position.x += 0.05;
-            contact.rests[0].last.1 = before;
+            contact.rests[0].last.as_mut().unwrap().1 = before;
             let kick = contact.setting.kick.length();
             contact.course.fates.resize(2, Fate::default());
             contact.course.fates[0].hits = 1;
