@@ -3,7 +3,8 @@
 //! What a light ball below a heavy one, or beside it, passes on is found in steps of its own mass: where it weighs a
 //! thousandth of it, that would take thousands of sweeps, and they would meet in it meanwhile. So a ball counts as no lighter
 //! than a part of those that press on it so. Not of a heavy one that it lies on: it is all that moves that one then, and would
-//! push it aside. Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights
+//! push it aside. And not of one that walls or others as heavy carry: what counts as heavier beside that one only, and not far
+//! from it, would sink there with more energy than it takes to be lifted elsewhere, round and round. Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights
 //! would do, which takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
 use super::constraints::Constraint;
@@ -11,9 +12,13 @@ use super::near::Near;
 use super::sleep::Rest;
 use super::{Body, Contact, DVec2, Setting};
 
-/// No ball counts as less than the fourth part as dense as one above or beside it counts, or as heavy where that is less.
-/// With a tenth, light balls are squeezed twice as deep.
-const HEAVIER: f64 = 4.0;
+/// No ball counts as less than half as dense as one above or beside it counts, or as heavy where that is less. With a quarter,
+/// light balls are pressed into each other in corners in one pile out of four, and stay there.
+const HEAVIER: f64 = 2.0;
+/// Where no two masses differ by more, or where none are as unlike in density, sweeps find what each passes on.
+const UNLIKE: f64 = 4.0;
+/// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
+const LEFT: f64 = 0.25;
 /// Balls are weighed anew after so many of the shortest substeps, and where pairs were searched.
 const PERIOD: u64 = 8;
 /// A ball lies on another where their heights differ by more than this part of what they reach: what slides off one that
@@ -28,6 +33,8 @@ pub(super) struct Weights {
     /// What they counted with before, and what they count with.
     before: Vec<f64>,
     counted: Vec<f64>,
+    /// What gravity gives each ball in a substep and walls and others as heavy do not take, px/s.
+    left: Vec<DVec2>,
     /// Pairs in which the first may make the second heavier.
     loads: Vec<(u32, u32)>,
 }
@@ -87,19 +94,23 @@ impl Near {
     /// Finds what balls weigh where they are held, and keeps what holds them. Whether any weighs something else than before.
     fn weigh(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) -> bool {
         let mut weights = std::mem::take(&mut self.weights);
-        let Weights { before, counted, loads, .. } = &mut weights;
+        let Weights { before, counted, left, loads, .. } = &mut weights;
         before.clear();
         before.extend(bodies.iter().map(|body| body.inverse_mass));
         counted.clear();
         counted.extend(rests.iter().map(|rest| rest.own));
+        self.find_left(rests, setting, left);
+        let least = LEFT * setting.kick.length();
+        let presses = |at: usize| left[at].length() > least;
         loads.clear();
         loads.extend(self.pairs().flat_map(|(i, j)| loads_of(bodies, setting, i as u32, j as u32)).flatten());
         // Mostly from above: what passes weight on has it already then.
         while loads.iter().rev().fold(false, |any, &(upper, lower)| {
             let (upper, lower) = (upper as usize, lower as usize);
-            let down = make_heavier(bodies, counted, upper, lower);
+            let down = presses(upper) && make_heavier(bodies, counted, upper, lower);
             // What counts as heavier passes that on upwards, too; what only is so carries what lies on it.
-            let up = counted[lower] < rests[lower].own && make_heavier(bodies, counted, lower, upper);
+            let passes_on = counted[lower] < rests[lower].own && presses(lower);
+            let up = passes_on && make_heavier(bodies, counted, lower, upper);
             down || up || any
         }) {}
         // Sleepers rest on what they weighed when they fell asleep.
@@ -114,6 +125,28 @@ impl Near {
         }
         self.weights = weights;
         differ
+    }
+
+    /// Finds what is left of each ball's weight.
+    fn find_left(&self, rests: &[Rest], setting: &Setting, left: &mut Vec<DVec2>) {
+        left.clear();
+        left.resize(rests.len(), setting.kick);
+        for (number, stripe) in self.stripes.iter().enumerate() {
+            let start = self.layout.start(number);
+            for constraint in stripe.constraints.iter().filter(|constraint| constraint.impulse > 0.0) {
+                let pair = constraint.pair.from(start);
+                let (first, second) = (pair.first as usize, pair.second as usize);
+                let push = constraint.normal * constraint.impulse + constraint.grip;
+                for (ball, by, push) in [(first, second, push), (second, first, -push)] {
+                    if rests[by].own <= HEAVIER * rests[ball].counted {
+                        left[ball] += push * rests[ball].counted;
+                    }
+                }
+            }
+            for beside in &stripe.beside {
+                left[start + beside.body as usize] += beside.push;
+            }
+        }
     }
 
     /// Keeps what holds balls that weigh something else than `before`.
@@ -161,14 +194,14 @@ impl Constraint {
     }
 }
 
-/// Whether any two balls may differ by more than they may count. Those of one material do not.
+/// Whether any two balls are unlike. Those of one material are not.
 fn are_unequal(bodies: &[Body], rests: &[Rest]) -> bool {
     let differ = |of: &dyn Fn(&Body, &Rest) -> f64| {
         let moved = bodies.iter().zip(rests).filter(|(_, rest)| rest.own > 0.0);
         let (least, most) = moved
             .map(|(body, rest)| of(body, rest))
             .fold((f64::INFINITY, 0.0_f64), |(least, most), of| (least.min(of), most.max(of)));
-        most > HEAVIER * least
+        most > UNLIKE * least
     };
     differ(&|_, rest| rest.own) && differ(&|body, rest| rest.own * body.radius * body.radius)
 }
@@ -214,8 +247,8 @@ fn make_heavier(bodies: &[Body], counted: &mut [f64], heavy: usize, light: usize
 mod tests {
     use super::super::super::ball::Ball;
     use super::super::super::world::{Pairs, World};
-    use super::super::Tuning;
     use super::super::constraints::Pair;
+    use super::super::{Tally, Tuning};
     use super::*;
 
     fn ball(x: f64, y: f64, (radius, mass): (f64, f64)) -> Ball {
@@ -247,19 +280,19 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_counts_as_no_less_than_a_quarter_as_dense_as_one_above_it_or_as_heavy() {
-        assert_eq!(weights_in_column(&[(5.0, 1000.0), (5.0, 1.0)]), [1000.0, 250.0]);
-        assert_eq!(weights_in_column(&[(5.0, 1000.0), (5.0, 300.0)]), [1000.0, 300.0]);
-        // A hundred times as dense and a tenth of the size: a four-hundredth of the mass is enough.
-        assert_eq!(weights_in_column(&[(10.0, 1e4), (1.0, 1.0)]), [1e4, 25.0]);
+    fn a_ball_counts_as_no_less_than_half_as_dense_as_one_above_it_or_as_heavy() {
+        assert_eq!(weights_in_column(&[(5.0, 1000.0), (5.0, 1.0)]), [1000.0, 500.0]);
+        assert_eq!(weights_in_column(&[(5.0, 1000.0), (5.0, 600.0)]), [1000.0, 600.0]);
+        // A hundred times as dense and a tenth of the size: a two-hundredth of the mass is enough.
+        assert_eq!(weights_in_column(&[(10.0, 1e4), (1.0, 1.0)]), [1e4, 50.0]);
         // However large it is itself.
-        assert_eq!(weights_in_column(&[(1.0, 1000.0), (10.0, 1.0)]), [1000.0, 250.0]);
+        assert_eq!(weights_in_column(&[(1.0, 1000.0), (10.0, 1.0)]), [1000.0, 500.0]);
     }
 
     #[test]
     fn weight_is_passed_on_to_what_is_below_and_not_to_what_lies_on_a_ball_that_only_is_heavy() {
         let column = [(5.0, 1.0), (5.0, 4096.0), (5.0, 1.0), (5.0, 1.0), (5.0, 1.0)];
-        assert_eq!(weights_in_column(&column), [1.0, 4096.0, 1024.0, 256.0, 64.0]);
+        assert_eq!(weights_in_column(&column), [1.0, 4096.0, 2048.0, 1024.0, 512.0]);
     }
 
     #[test]
@@ -271,7 +304,24 @@ mod tests {
         let mut contact = contact(&balls);
         contact.find();
         // The last lies on the heavy one, and beside one that lies on a ball that counts as heavier.
-        assert_eq!(weights(&contact), [1000.0, 250.0, 250.0, 62.5, 15.625]);
+        assert_eq!(weights(&contact), [1000.0, 500.0, 500.0, 250.0, 125.0]);
+    }
+
+    #[test]
+    fn what_the_floor_carries_makes_nothing_heavier_and_what_a_light_ball_carries_does() {
+        for (below, counted) in [(195.0, 1.0), (185.0, 500.0)] {
+            let heavy = ball(100.0, below, (5.0, 1000.0));
+            // Beside it, or under it.
+            let light =
+                if below > 190.0 { ball(110.0, below, (5.0, 1.0)) } else { ball(100.0, 195.0, (5.0, 1.0)) };
+            let mut contact = contact(&[heavy, light]);
+            contact.find();
+            assert_eq!(weights(&contact), [1000.0, 500.0], "before anything carries it");
+            for _ in 0..60 {
+                contact.step(&mut Tally::default());
+            }
+            assert_eq!(weights(&contact), [1000.0, counted], "{below}");
+        }
     }
 
     #[test]
@@ -294,7 +344,7 @@ mod tests {
         assert_eq!(weights(&contact), [1000.0, 1.0]);
         contact.steps = PERIOD * contact.substeps.shortest();
         contact.find();
-        assert_eq!(weights(&contact), [1000.0, 250.0]);
+        assert_eq!(weights(&contact), [1000.0, 500.0]);
     }
 
     #[test]
@@ -307,7 +357,7 @@ mod tests {
         contact.bodies[1].inverse_mass = 0.0;
         contact.find();
         assert_eq!(contact.rests[1].counted, 1.0);
-        assert_eq!(weights(&contact), [1000.0, f64::INFINITY, 62.5]);
+        assert_eq!(weights(&contact), [1000.0, f64::INFINITY, 250.0]);
         assert_eq!(contact.rests[2].in_impacts(), 1.0);
     }
 
