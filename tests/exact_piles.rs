@@ -5,7 +5,7 @@ use carom::simulation::grid::Grid;
 use carom::simulation::invariants::{
     kinetic_energy, max_overlap, max_wall_overlap, momentum, non_finite, potential_energy,
 };
-use carom::{Ball, DVec2, Pairs, Simulation, Solver, World};
+use carom::{Ball, DVec2, Pairs, Scene, Simulation, Solver, World};
 
 const EARTH: f64 = 980.0;
 
@@ -256,6 +256,28 @@ fn two_balls_in_each_other_in_a_pocket_end_no_run() {
     });
     assert_eq!(done, Ok(5.0), "after {:?}", pocket.tally());
     assert_eq!(non_finite(pocket.balls()), 0);
+}
+
+/// Millions of impacts of a few balls, in which next to no time passed, and nobody went anywhere.
+#[test]
+fn balls_pressed_into_a_pocket_are_followed_in_time() {
+    for (name, text) in [
+        ("squeezed", include_str!("data/pockets/squeezed.toml")),
+        ("one gives way", include_str!("data/pockets/one-gives-way.toml")),
+        ("beside the floor", include_str!("data/pockets/beside-the-floor.toml")),
+    ] {
+        let mut pocket = Scene::parse(name, text).unwrap().build().unwrap();
+        let start = energy(&pocket);
+        let mut looks = 0;
+        // It is asked after every 256 events.
+        let done = pocket.advance_while(5.0, || {
+            looks += 1;
+            looks < 4000
+        });
+        assert_eq!(done, Ok(5.0), "{name}: after {:?}", pocket.tally());
+        assert_eq!(non_finite(pocket.balls()), 0, "{name}");
+        assert!(energy(&pocket) < start, "{name}: {} after {start}", energy(&pocket));
+    }
 }
 
 #[test]

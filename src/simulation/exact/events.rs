@@ -5,14 +5,17 @@ use crate::simulation::clock::{Clock, INSTANT};
 use crate::simulation::{Frame, Tally};
 
 use super::calendar::{self, Dawn, Entry};
-use super::flights::Target;
+use super::flights::{Matter, Target};
 use super::{Exact, Needs};
 
 /// Events that follow each other so fast on average, s, and without end, count as at one time ...
-const CREEP: f64 = 1e-15;
+const CREEP: f64 = 1e-8;
 /// ... where balls go no farther between them than this part of their radius on average: the rounding of where they are. In
 /// Galperin's billiard with a mass ratio of 10¹⁴, of 31 million impacts, they go a million times as far or more.
 const NOWHERE: f64 = 1e-14;
+/// The same of balls that lose speed in impacts: one that a heavier one presses into a pocket would go to and fro there for ever,
+/// since what chatters loses none.
+const NOWHERE_OF_CHATTER: f64 = 1e-10;
 
 /// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
 const HITS_PER_YEAR: f64 = 1.0;
@@ -159,8 +162,9 @@ impl Exact {
     /// Whether the events since the present time began get anywhere, however little time they take, by how fast this ball is.
     fn gets_on<N: Needs>(&self, slot: usize, now: f64) -> bool {
         let since = now - self.instant;
-        let way = since * self.flights[slot].velocity.length();
-        since > INSTANT && way > NOWHERE * self.matter::<N>(slot).radius * self.at_once as f64
+        let Matter { radius, restitution, .. } = *self.matter::<N>(slot);
+        let least = radius * if restitution < 1.0 { NOWHERE_OF_CHATTER } else { NOWHERE };
+        since > INSTANT && since * self.flights[slot].velocity.length() > least * self.at_once as f64
     }
 
     /// Counts an event at the present time.

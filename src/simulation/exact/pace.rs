@@ -1,5 +1,7 @@
 //! Whether there are more impacts than can be followed, in a second or at one time.
 
+use crate::simulation::clock::INSTANT;
+
 use super::Exact;
 
 /// So many impacts a second can be followed, at less than half of real time ...
@@ -13,6 +15,8 @@ const LET_PASS_PER_BALL: f64 = 16.0;
 /// Events at one time above which balls have no room to move at all: hits that would go on for ever take all their
 /// speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
 const MOST_AT_ONCE: usize = 1 << 16;
+/// The same where some time passes, and only balls get nowhere in it.
+const MOST_CREEPING: usize = 1 << 12;
 /// The same for each ball, where that is more in all.
 const MOST_AT_ONCE_PER_BALL: usize = 64;
 
@@ -56,16 +60,17 @@ impl Exact {
     #[inline]
     pub(super) fn is_stuck(&self) -> bool {
         // A constant first: this is asked after each event.
-        self.at_once >= MOST_AT_ONCE && self.pace.is_some() && self.at_once >= self.most_at_once()
+        self.at_once >= MOST_CREEPING && self.pace.is_some() && self.at_once >= self.most_at_once()
     }
 
     /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.
     pub(super) fn wedged(&self) -> bool {
-        self.at_once > self.most_at_once()
+        self.at_once > MOST_CREEPING && self.at_once > self.most_at_once()
     }
 
     fn most_at_once(&self) -> usize {
-        MOST_AT_ONCE.max(MOST_AT_ONCE_PER_BALL * self.flights.len())
+        let creeps = self.latest > self.instant + INSTANT;
+        if creeps { MOST_CREEPING } else { MOST_AT_ONCE }.max(MOST_AT_ONCE_PER_BALL * self.flights.len())
     }
 }
 

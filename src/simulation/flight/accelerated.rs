@@ -33,7 +33,11 @@ impl Pair {
             let (start, end) = (path.depth(from), path.depth(to));
             let approaching = end > start;
             if approaching && start >= 0.0 && from > 0.0 {
-                return from;
+                // Or once they are no longer too slow, if there is no room.
+                let time = from + self.dull / acceleration.length();
+                if time <= to {
+                    return time;
+                }
             }
             if approaching && start < 0.0 && end >= 0.0 {
                 return root(from, to, |t| (path.depth(t), path.deepening(t)));
