@@ -241,6 +241,31 @@ fn what_drifts_goes_through_no_row_of_fixed_balls_that_is_put_in_its_way() {
 
 /// A hundred million times as heavy, it comes so near to the wall with the light one in between that a substep does not take all
 /// of their impacts. They lose time then, and what is elsewhere does not: all fast balls stood still meanwhile.
+/// Each was near more than sixty-four others on its way, of which the rest were left out.
+#[test]
+fn of_many_that_are_fast_none_is_ever_deep_in_a_fixed_ball() {
+    let mut number = random(3);
+    for _ in 0..4 {
+        let row = (0..27).map(|k| ball(15.0 * f64::from(k), 300.0, 10.0).fixed());
+        let above = (0..160_u32).map(|k| {
+            let at = DVec2::new(15.0 + 24.0 * f64::from(k % 16), 15.0 + 26.0 * f64::from(k / 16));
+            moving(ball(at.x, at.y, 6.0), 2e5 * number() - 1e5, 2e5 * number() - 1e5)
+        });
+        let balls: Vec<_> = row.chain(above).collect();
+        let mut closed = simulation(world(390.0, 600.0, 0.5).with_gravity(EARTH).unwrap(), balls);
+        for _ in 0..200 {
+            closed.advance(1.0 / 4096.0).unwrap();
+            let (row, flying) = closed.balls().split_at(27);
+            let nearest = |ball: &Ball| {
+                let to = row.iter().map(|fixed| fixed.position().distance(ball.position()));
+                to.fold(f64::INFINITY, f64::min)
+            };
+            let nearest = flying.iter().map(nearest).fold(f64::INFINITY, f64::min);
+            assert!(nearest > 15.0, "{nearest} px from a centre after {} s", closed.time());
+        }
+    }
+}
+
 #[test]
 fn a_jam_costs_no_time_where_it_is_not() {
     let light = ball(20.0, 100.0, 5.0);

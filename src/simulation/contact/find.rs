@@ -75,7 +75,7 @@ impl Near {
         self.find_homes(bodies, cargo.rests, setting, team);
         self.found = 0;
         if pairs {
-            self.find_pairs(bodies.len(), setting, team);
+            self.find_pairs(bodies, setting, team);
             self.take_pairs(bodies, cargo.rests, setting, team);
             self.found = self.pair_count();
         }
@@ -158,11 +158,11 @@ impl Near {
         SKIN * body.radius + self.rms_speed * setting.substep
     }
 
-    /// Finds the pairs of so many balls.
+    /// Finds the pairs of balls.
     #[inline]
-    fn find_pairs(&mut self, count: usize, setting: &Setting, team: &Team) {
+    fn find_pairs(&mut self, bodies: &[Body], setting: &Setting, team: &Team) {
         let Self { layout, stripes, cells, discs, gathered, turned, .. } = self;
-        if count <= FEW {
+        if bodies.len() <= FEW {
             let pairs = &mut stripes[0].pairs;
             for (i, one) in discs.iter().enumerate() {
                 for (j, other) in discs.iter().enumerate().skip(i + 1) {
@@ -187,8 +187,12 @@ impl Near {
             }
         };
         let pair = |first, second| Pair { first, second };
+        let overlap = |first: u32, second: u32| {
+            let (first, second) = (&bodies[first as usize], &bodies[second as usize]);
+            touch(first.position, first.radius, second.position, second.radius)
+        };
         if !layout.is_cut() {
-            grid.collect(discs, &mut stripes[0].pairs, pair);
+            grid.collect(discs, &mut stripes[0].pairs, pair, overlap);
             return;
         }
         grid.sort_into_cells(discs);
@@ -199,7 +203,7 @@ impl Near {
         team.each(gathered.iter_mut().enumerate(), |(piece, Gathered { pairs, parted })| {
             if piece < pieces {
                 let end = grid.rows().min((piece + 1) * rows);
-                grid.collect_rows(end.min(piece * rows)..end, pairs, pair);
+                grid.collect_rows(end.min(piece * rows)..end, pairs, pair, overlap);
             } else {
                 pairs.clear();
                 grid.compare_large(&mut |first, second| pairs.push(pair(first, second)));

@@ -5,24 +5,26 @@ use std::ops::Range;
 
 use super::{Disc, Entry, Grid, compare, touch};
 
-/// The most others, at least half as large, that a ball is paired with from one run of cells. Balls that do not lie in
-/// each other are fewer; of a crowd at one point each is held apart from so many at a time, and from the rest when these
-/// are gone.
+/// The most others, at least half as large, that a ball lies in and is paired with from one run of cells. Of a crowd at one
+/// point each is held apart from so many at a time, and from the rest when these are gone.
 const MOST_BESIDE: usize = 64;
+/// Where there are more pairs than this, a ball is paired with no more than that of any others.
+const MANY: usize = 1 << 22;
 /// More balls than this in the cells beside one are a crowd, of which the first that touch it are enough.
 const CROWD: usize = 256;
 
 impl Grid {
     /// Replaces `pairs` by each pair of `discs` that touches, in no particular order, and at most [`MOST_BESIDE`] of a
-    /// crowd.
+    /// crowd. Discs may be larger than the balls in them: balls are a crowd where these `overlap`.
     pub(in crate::simulation) fn collect<P: Copy>(
         &mut self,
         discs: &[impl Disc],
         pairs: &mut Vec<P>,
         pair: impl Fn(u32, u32) -> P,
+        overlap: impl Fn(u32, u32) -> bool,
     ) {
         self.sort_into_cells(discs);
-        self.collect_rows(0..self.rows, pairs, &pair);
+        self.collect_rows(0..self.rows, pairs, &pair, overlap);
         self.compare_large(&mut |first, second| pairs.push(pair(first, second)));
     }
 
@@ -43,7 +45,7 @@ impl Grid {
             let smallest = *smallest.get_or_insert_with(|| self.smallest());
             // Each takes an angle of at least 2r/(R + r) around it.
             let around = PI * (ball.radius / smallest + 1.0);
-            for other in ball.not_too_many(others, smallest, around as usize + MOST_BESIDE) {
+            for other in ball.not_too_many(others, smallest, around as usize + MOST_BESIDE, |_| true) {
                 let (first, second) = ball.pair_with(other);
                 contact(first, second);
             }
@@ -51,13 +53,14 @@ impl Grid {
         self.compare_large(&mut contact);
     }
 
-    /// Replaces `pairs` by each pair that touches and is found from these rows of cells; discs too large for the cells
-    /// are left out. The discs must have been sorted into the cells.
+    /// Replaces `pairs` by each pair that touches and is found from these rows of cells, as [`collect`](Self::collect) does;
+    /// discs too large for the cells are left out. The discs must have been sorted into the cells.
     pub(in crate::simulation) fn collect_rows<P: Copy>(
         &self,
         rows: Range<usize>,
         pairs: &mut Vec<P>,
         pair: impl Fn(u32, u32) -> P,
+        overlap: impl Fn(u32, u32) -> bool,
     ) {
         let mut found = 0;
         let mut smallest = None;
@@ -81,7 +84,8 @@ impl Grid {
             if others.len() > CROWD || found > before + MOST_BESIDE {
                 let smallest = *smallest.get_or_insert_with(|| self.smallest());
                 found = before;
-                for other in ball.not_too_many(others, smallest, usize::MAX) {
+                let counts = |other: &Entry| before > MANY || overlap(ball.index, other.index);
+                for other in ball.not_too_many(others, smallest, usize::MAX, counts) {
                     match pairs.get_mut(found) {
                         Some(place) => *place = paired(other),
                         None => pairs.push(paired(other)),
@@ -100,13 +104,14 @@ impl Grid {
 }
 
 impl Entry {
-    /// Those of `others` that touch it, but no more than [`MOST_BESIDE`] that are half as large and more, and no more
-    /// smaller ones than `small`. None of them is smaller than `smallest`.
+    /// Those of `others` that touch it, but of those that count no more than [`MOST_BESIDE`] that are half as large and more,
+    /// and no more smaller ones than `small`. None of them is smaller than `smallest`.
     fn not_too_many<'a>(
         &self,
         others: &'a [Self],
         smallest: f64,
         mut small: usize,
+        counts: impl Fn(&Self) -> bool,
     ) -> impl Iterator<Item = &'a Self> {
         let Self { position, radius, .. } = *self;
         if 2.0 * smallest >= radius {
@@ -120,7 +125,7 @@ impl Entry {
             }
             let left = if 2.0 * other.radius >= radius { &mut large } else { &mut small };
             let beside = *left > 0 && touch(position, radius, other.position, other.radius);
-            *left -= usize::from(beside);
+            *left -= usize::from(beside && counts(other));
             Some(beside.then_some(other))
         };
         others.iter().map_while(takes).flatten()
@@ -154,6 +159,16 @@ mod tests {
         }
     }
 
+    /// Discs around where fast balls may go touch hundreds of others, whose balls are far from each other.
+    #[test]
+    fn wide_discs_of_balls_that_are_no_crowd_have_all_their_pairs() {
+        let disc = |k: u32| Ball::new(DVec2::new(f64::from(k % 20), f64::from(k / 20)), 40.0).unwrap();
+        let discs: Vec<_> = (0..400).map(disc).collect();
+        let mut pairs = Vec::new();
+        Grid::new(&discs, DVec2::splat(20.0)).collect(&discs, &mut pairs, |i, j| (i, j), |_, _| false);
+        assert_eq!(pairs.len(), 400 * 399 / 2);
+    }
+
     #[test]
     fn of_a_crowd_each_ball_has_so_many_pairs_with_large_ones_and_all_with_small_ones() {
         let at = |radius: f64| Ball::new(DVec2::splat(50.0), radius).unwrap();
@@ -161,7 +176,7 @@ mod tests {
             let mut balls = vec![at(4.0); 1000];
             balls.extend(vec![at(1.0); small]);
             let mut pairs = Vec::new();
-            Grid::new(&balls, DVec2::splat(100.0)).collect(&balls, &mut pairs, |i, j| (i, j));
+            Grid::new(&balls, DVec2::splat(100.0)).collect(&balls, &mut pairs, |i, j| (i, j), |_, _| true);
             let mut counts = vec![0; balls.len()];
             for &(i, j) in &pairs {
                 let large = j < 1000;
