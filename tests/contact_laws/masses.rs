@@ -137,6 +137,25 @@ fn piles_whose_masses_span_eight_powers_of_ten_come_to_rest() {
     }
 }
 
+/// Where few balls press, sweeps ended before they knew what each bears: the balls hopped in each other for ever, at up to 250 px/s,
+/// and some passed others.
+#[test]
+fn unlike_balls_that_fall_into_a_narrow_tube_come_to_rest_in_their_order() {
+    for (seed, width) in (1..=6).zip([30.0, 30.0, 30.0, 34.0, 34.0, 34.0]) {
+        let mut random = numbers::random(seed);
+        let balls = (0..80_u32).map(|k| {
+            let (x, y) = (10.0 + (width - 20.0) * random(), 2420.0 - 30.0 * f64::from(k));
+            ball(x, y, 10.0).with_mass(1e3_f64.powf(random())).unwrap().with_restitution(0.5).unwrap()
+        });
+        let mut tube = simulation(world(width, 2430.0, 0.5).with_gravity(EARTH).unwrap(), balls.collect());
+        tube.advance(12.0).unwrap();
+        assert_eq!(fastest(&tube), 0.0, "seed {seed}");
+        assert!(overlap(&tube) < 0.02, "seed {seed}: {}", overlap(&tube));
+        let heights: Vec<f64> = tube.balls().iter().map(|ball| -ball.position().y).collect();
+        assert!(heights.is_sorted(), "seed {seed}: one has passed another");
+    }
+}
+
 /// The small ones beside it counted as heavy, sank there, and lifted others that did not, round and round for ever.
 #[test]
 fn a_pile_around_a_ball_of_many_times_its_weight_comes_to_rest() {

@@ -25,8 +25,8 @@ use super::{Body, Contact, Setting};
 const DAMPED: f64 = 0.1;
 /// Sweeps there and back in a substep, at most. Three let piles of thousands come to rest sooner than one or eight.
 const ROUNDS: u32 = 3;
-/// The same among few balls, where a crash is followed to its end, and so is what a steep wedge bears, or a flat arch: sweeps
-/// find that slowly, and what is missing would be stored in overlaps, and given back as speed.
+/// The same where few balls press, and a crash is followed to its end, and so is what a steep wedge bears, a flat arch, or a tube
+/// of unlike balls: sweeps find that slowly, and what is missing would be stored in overlaps, and given back as speed.
 const ROUNDS_OF_FEW: u32 = 300;
 /// The same of more balls whose masses differ, so that heavy balls come through light ones, and light ones come to rest beside
 /// heavy ones: with 50, more of them are squeezed out with speed from nowhere ...
@@ -35,9 +35,8 @@ const ROUNDS_OF_MIXED: u32 = 16;
 const PAIRS_OF_MIXED: usize = 100_000;
 /// Among so many balls ...
 const SOME: usize = 400;
-/// ... there are more rounds, too, and so there are among few whose masses differ: what counts as heavier than it is gives energy
-/// to what it drives apart, and more of it the nearer sweeps come to their end; ...
-const ROUNDS_OF_SOME: u32 = 32;
+/// ... there are more rounds, too, ...
+const ROUNDS_OF_SOME: u32 = 128;
 /// ... and sweeps have not settled either where a change is more than so many kicks of gravity: among small balls, large ones may
 /// wedge each other in.
 const FAST: f64 = 2.0;
@@ -162,7 +161,7 @@ impl Contact {
             // As many as few balls may have: the others fly, or sleep.
             Some(near) if few || near.touched <= 3 * FEW => {
                 let left = if few { yielding } else { yielding_of_few };
-                Sweeps { rounds: ROUNDS_OF_SOME, settled: SETTLED_OF_MIXED, left, ..usual }
+                Sweeps { rounds: ROUNDS_OF_FEW, settled: SETTLED_OF_MIXED, left, ..usual }
             }
             Some(near) if differ => {
                 let affordable = (PAIRS_OF_MIXED / near.touched.max(1)) as u32;
