@@ -70,7 +70,7 @@ impl App {
             gauge.panel(room)
         });
         let session = &self.session;
-        let behind = session.is_behind() && !session.is_paused();
+        let behind = session.is_behind() && !session.is_paused() && !self.options.quiet;
         let sheet = if self.help {
             Some(Sheet::Help)
         } else {

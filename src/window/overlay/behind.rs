@@ -41,9 +41,16 @@ pub(super) fn behind(pixmap: &mut PixmapMut<'_>, solver: Solver, scale: f64) -> 
 
 /// What the warning says: two sentences, for the solver in use and the names of all there are.
 fn behind_text(solver: &str, solvers: &[&str]) -> [String; 2] {
-    let why = format!("{solver} has more impacts here than it can follow in real time, so time runs slower.");
+    // Only events follow every impact: the others have so much to do for each ball.
+    let why = if solver == "exact" {
+        format!("{solver} has more impacts here than it can follow in real time, so time runs slower.")
+    } else {
+        format!("{solver} takes longer for a frame here than a frame lasts, so time runs slower.")
+    };
     let piles = "contact";
-    let what = if solver != piles && solvers.contains(&piles) {
+    let what = if solver == piles {
+        "D: see what takes the time.".to_owned()
+    } else if solvers.contains(&piles) {
         format!("S: take the solver {piles}, which is meant for piles.")
     } else {
         "S: take another solver.".to_owned()
@@ -65,8 +72,8 @@ mod tests {
         let [_, what] = behind_text("exact", &["canvas", "exact", "contact"]);
         assert_eq!(what, "S: take the solver contact, which is meant for piles.");
         let [why, what] = behind_text("contact", &["canvas", "exact", "contact"]);
-        assert!(why.starts_with("contact"));
-        assert_eq!(what, "S: take another solver.");
+        assert!(why.starts_with("contact takes longer for a frame") && why.contains("time runs slower"));
+        assert_eq!(what, "D: see what takes the time.");
     }
 
     /// Where the warning's text reaches, px from the left, and how high its strip is, in a picture of this size.
