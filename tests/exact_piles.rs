@@ -280,6 +280,21 @@ fn balls_pressed_into_a_pocket_are_followed_in_time() {
     }
 }
 
+/// The energy rose by an eighth while one hopped in the wedge; and where it stayed there, it was not shown as touching them.
+#[test]
+fn a_ball_wedged_in_between_two_others_gains_no_energy_and_touches_them() {
+    let mut wedge = Scene::parse("wedge", include_str!("data/pockets/wedge.toml")).unwrap().build().unwrap();
+    let mut before = energy(&wedge);
+    for frame in 0..600 {
+        let place = wedge.balls()[0].position();
+        wedge.advance(1.0 / 60.0).unwrap();
+        let now = energy(&wedge);
+        assert!(now < before * (1.0 + 1e-9), "frame {frame}: {before} rises to {now}");
+        before = now;
+        assert!(wedge.balls()[0].position() != place || wedge.touching()[0], "frame {frame}");
+    }
+}
+
 #[test]
 fn a_ball_comes_to_rest_between_a_wall_and_a_fixed_ball_however_steep_their_wedge() {
     let mut restless = Vec::new();

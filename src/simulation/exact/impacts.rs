@@ -279,7 +279,9 @@ impl Exact {
         }
         marks.set(Marks::HIT, true);
         if !(N::HOLDS && marks.has(Marks::HELD)) {
-            marks.set(Marks::LEANS, leans);
+            // What has no room, and stays, leans on the others still.
+            let stays = N::HOLDS && marks.rests() == 3 && marks.has(Marks::LEANS);
+            marks.set(Marks::LEANS, leans || stays);
             marks.note_chatter(chatters);
         }
     }

@@ -164,7 +164,8 @@ impl Exact {
             let (flight, marks) = (&self.flights[slot], self.marks[slot]);
             (ball.position, ball.velocity) =
                 if N::HOLDS { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
-            let leans = marks.has(Marks::LEANS) && (marks.has(Marks::HELD) || now - flight.time < lean);
+            let stays = marks.has(Marks::HELD) || marks.rests() == 3;
+            let leans = marks.has(Marks::LEANS) && (stays || now - flight.time < lean);
             let inside = self.overlaps.as_ref().is_some_and(|overlaps| !overlaps[slot].is_empty());
             *touches = leans || inside || marks.has(Marks::HIT);
         }
