@@ -39,7 +39,7 @@ impl Contact {
         } else {
             let mut pairs = near.holding().map(|(first, second, _)| (first, second)).peekable();
             if pairs.peek().is_none() {
-                // Each by itself, which falls.
+                // Each falls by itself: no islands need to be looked for.
                 return;
             }
             for island in islands(bodies.len(), pairs) {

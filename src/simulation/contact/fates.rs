@@ -103,7 +103,7 @@ impl Fate {
 
     /// Whether impacts of its body with another are over in this substep, since it has ended for one of them, and one is fast.
     #[inline]
-    pub(super) fn parts_with(&self, other: &Self) -> bool {
+    pub(super) fn is_over_with(&self, other: &Self) -> bool {
         (self.fast || other.fast) && (self.ended || other.ended)
     }
 

@@ -218,7 +218,7 @@ impl Stage<'_> {
         let fast = first.fast || second.fast;
         let least = self.limits.least(first.shift.max(second.shift));
         let enough = !fast && first.hits.max(second.hits) >= least && self.is_either_spent(bodies, states);
-        if marks.has(Marks::IDLE) || presses || enough || first.parts_with(second) {
+        if marks.has(Marks::IDLE) || presses || enough || first.is_over_with(second) {
             return None;
         }
         Meeting::of(self.setting, one, other, stripe.firm(at, self.setting), since)
@@ -266,7 +266,7 @@ impl Stage<'_> {
                 let (i, j) = pair(spot, stripes);
                 let [one, other] = [i, j].map(|body| self.fates[body]);
                 let fast = one.fast || other.fast;
-                if one.parts_with(&other) {
+                if one.is_over_with(&other) {
                     return [None; 2];
                 }
                 let firm = stripes.list[spot.stripe as usize].firm(spot.at as usize, self.setting);

@@ -220,30 +220,30 @@ fn follow(
     *constraint = turned;
 }
 
-/// How much the direction of a pair turns in a substep, rad, at most, where its balls slide on each other slowly.
+/// The turns of a pair's direction in a substep in which its balls slide on each other slowly.
 #[derive(Debug, Clone, Copy)]
 struct SlowTurn {
-    /// How far they slide then, px, squared, ...
-    way: f64,
-    /// ... and the sum of their radii.
+    /// The square of how far they slide in it at most, px².
+    square: f64,
+    /// The sum of their radii, px.
     reach: f64,
 }
 
 impl SlowTurn {
-    /// Whether it does, by the square of what it turns by.
+    /// Whether a turn is one, by its square, rad².
     #[inline]
     fn is(self, turned: f64) -> bool {
-        turned * self.reach * self.reach < self.way
+        turned * self.reach * self.reach < self.square
     }
 }
 
 impl Setting {
-    /// How much the direction of two balls, of radii with this sum, may turn while they slide slowly. A fixed one does not give
-    /// way: on it only slow sliding is gripped, among many balls, too.
+    /// The slow turns of two balls, of radii with this sum. A fixed one does not give way: on it only slow sliding is gripped,
+    /// among many balls, too. What sleeps is none.
     #[inline]
     fn slow_turn(&self, reach: f64, on_fixed: bool) -> SlowTurn {
         let way = if on_fixed { self.firm } else { self.gripping } * self.substep;
-        SlowTurn { way: way * way, reach }
+        SlowTurn { square: way * way, reach }
     }
 
     /// How fast two balls, of radii with this sum, have to part to go so far in a substep, px: px/s. No faster than

@@ -260,6 +260,7 @@ impl Stripe {
             solve(constraint, first, second, 1.0);
             calm(constraint, first, second, sliding, setting.firm);
         });
+        // Only few balls are followed so far, and these are one stripe: there are no others to wait for.
         let Some(enough) = setting.to_the_end else { return };
         let mut before = f64::INFINITY;
         for _ in 1..ROUNDS_OF_FEW {

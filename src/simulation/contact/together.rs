@@ -63,7 +63,7 @@ impl Stage<'_> {
     fn meets(&self, spot: Spot, stripes: &Stripes<'_>) -> Option<Meets> {
         let bodies = pair(spot, stripes);
         let flies = |at: usize| self.bodies[at].is_free() && !self.rests[at].asleep;
-        let parted = self.fates[bodies.0].parts_with(&self.fates[bodies.1]);
+        let parted = self.fates[bodies.0].is_over_with(&self.fates[bodies.1]);
         if parted || !(flies(bodies.0) && flies(bodies.1)) {
             return None;
         }
