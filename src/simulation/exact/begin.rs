@@ -10,7 +10,7 @@ use crate::simulation::world::{Pairs, World};
 
 use super::calendar::Calendar;
 use super::cells::Cells;
-use super::events::{LONGEST_YEAR, SHORTEST_YEAR};
+use super::events::{CREEP, LONGEST_YEAR, MANY, SHORTEST_YEAR};
 use super::flights::{Flight, Marks, Matter};
 use super::{Exact, Needs, impacts};
 
@@ -54,6 +54,7 @@ impl Exact {
             latest: 0.0,
             instant: 0.0,
             at_once: 0,
+            creep: CREEP / balls.len().max(MANY) as f64,
             pace: None,
             unwatched: 0,
             credit: 0,

@@ -8,8 +8,10 @@ use super::calendar::{self, Dawn, Entry};
 use super::flights::{Matter, Target};
 use super::{Exact, Needs};
 
-/// Events that follow each other so fast on average, s, and without end, count as at one time ...
-const CREEP: f64 = 1e-8;
+/// Events that follow each other so fast on average, s, and without end, count as at one time: this over the number of balls, where
+/// they are so many or more, since others have events in the meantime ...
+pub(super) const CREEP: f64 = 1e-6;
+pub(super) const MANY: usize = 100;
 /// ... where balls go no farther between them than this part of their radius on average: the rounding of where they are. In
 /// Galperin's billiard with a mass ratio of 10¹⁴, of 31 million impacts, they go a million times as far or more.
 const NOWHERE: f64 = 1e-14;
@@ -118,7 +120,7 @@ impl Exact {
     #[inline]
     fn take<N: Needs>(&mut self, tally: &mut Tally, entry: Entry) {
         let (slot, now) = (entry.ball as usize, entry.time);
-        if now > self.instant + INSTANT + CREEP * self.at_once as f64 || self.gets_on::<N>(slot, now) {
+        if now > self.instant + INSTANT + self.creep * self.at_once as f64 || self.gets_on::<N>(slot, now) {
             (self.instant, self.at_once) = (now, 0);
         }
         self.count_event();

@@ -89,6 +89,8 @@ pub(super) struct Exact {
     instant: f64,
     /// How many events it has had so far.
     at_once: usize,
+    /// How slowly events creep on average, s, that may count as at one time.
+    creep: f64,
     /// How impacts keep pace, where it stops once they do not.
     pace: Option<Pace>,
     /// Whether a ball that was looked at since this was cleared touches another one.
