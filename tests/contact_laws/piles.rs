@@ -131,6 +131,21 @@ fn a_slab_that_collapses_in_a_wide_box_comes_to_rest_nearly_level() {
     assert!(mean < 1.62, "{steep:?} times as many balls in the left half as in the right");
 }
 
+/// Small ones between large ones trembled for ever, and were pressed into each other by up to half of their radius.
+#[test]
+fn a_pile_of_one_material_comes_to_rest_however_unlike_its_sizes() {
+    for seed in [1, 2, 3] {
+        let text = format!(
+            "solver = \"contact\"\nsize = [438, 246]\ngravity = [0, 980]\n[walls]\nrestitution = 0.5\n[pairs]\n\
+             [[fill]]\ncount = 1200\nradius = [1, 6]\nrestitution = 0.5\nseed = {seed}\n"
+        );
+        let mut pile = Scene::parse("sizes", &text).unwrap().build().unwrap();
+        pile.advance(8.0).unwrap();
+        assert_eq!(fastest(&pile), 0.0, "seed {seed}");
+        assert!(overlap(&pile) < 0.03, "seed {seed}: {}", overlap(&pile));
+    }
+}
+
 #[test]
 fn gravity_however_strong_gives_no_energy() {
     for gravity in [1e5, 1e7] {

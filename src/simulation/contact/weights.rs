@@ -4,10 +4,13 @@
 //! thousandth of it, that would take thousands of sweeps, and they would meet in it meanwhile. So a ball counts as no lighter
 //! than a part of those that press on it so. Not of a heavy one that it lies on: it is all that moves that one then, and would
 //! push it aside. And not of one that walls or others as heavy carry: what counts as heavier beside that one only, and not far
-//! from it, would sink there with more energy than it takes to be lifted elsewhere, round and round. Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights
-//! would do, which takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
+//! from it, would sink there with more energy than it takes to be lifted elsewhere, round and round.
+//!
+//! Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights would do, which
+//! takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
 use super::constraints::Constraint;
+use super::find::FEW;
 use super::near::Near;
 use super::sleep::Rest;
 use super::{Body, Contact, DVec2, Setting};
@@ -15,8 +18,11 @@ use super::{Body, Contact, DVec2, Setting};
 /// No ball counts as less than half as dense as one above or beside it counts, or as heavy where that is less. With a quarter,
 /// light balls are pressed into each other in corners in one pile out of four, and stay there.
 const HEAVIER: f64 = 2.0;
-/// Where no two masses differ by more, or where none are as unlike in density, sweeps find what each passes on.
+/// Where no two masses differ by more, or where none are as unlike in density, sweeps find what each passes on ...
 const UNLIKE: f64 = 4.0;
+/// ... unless masses differ by more than this, among more than few balls: of one material, small ones between large ones went on
+/// trembling, and were pressed into each other.
+const UNLIKE_IN_SIZE: f64 = 16.0;
 /// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
 const LEFT: f64 = 0.25;
 /// Balls are weighed anew after so many of the shortest substeps, and where pairs were searched.
@@ -194,16 +200,18 @@ impl Constraint {
     }
 }
 
-/// Whether any two balls are unlike. Those of one material are not.
+/// Whether any two balls are unlike.
 fn are_unequal(bodies: &[Body], rests: &[Rest]) -> bool {
-    let differ = |of: &dyn Fn(&Body, &Rest) -> f64| {
+    let ratio = |of: &dyn Fn(&Body, &Rest) -> f64| {
         let moved = bodies.iter().zip(rests).filter(|(_, rest)| rest.own > 0.0);
         let (least, most) = moved
             .map(|(body, rest)| of(body, rest))
             .fold((f64::INFINITY, 0.0_f64), |(least, most), of| (least.min(of), most.max(of)));
-        most > UNLIKE * least
+        most / least
     };
-    differ(&|_, rest| rest.own) && differ(&|body, rest| rest.own * body.radius * body.radius)
+    let masses = ratio(&|_, rest| rest.own);
+    masses > UNLIKE && ratio(&|body, rest| rest.own * body.radius * body.radius) > UNLIKE
+        || masses > UNLIKE_IN_SIZE && bodies.len() > FEW
 }
 
 /// The square of the speed, px/s, of what falls so far, px.
