@@ -20,9 +20,11 @@ use super::{Body, Contact, DVec2, Setting};
 const HEAVIER: f64 = 2.0;
 /// Where no two masses differ by more, or where none are as unlike in density, sweeps find what each passes on ...
 const UNLIKE: f64 = 4.0;
-/// ... unless masses differ by more than this, among more than few balls: of one material, small ones between large ones went on
-/// trembling, and were pressed into each other.
+/// ... unless masses differ by more than this, ...
 const UNLIKE_IN_SIZE: f64 = 16.0;
+/// ... among more than few balls, and no more than so many: of one material, small ones between large ones went on trembling, and
+/// were pressed into each other. More would take too long.
+const MOST_UNLIKE_IN_SIZE: usize = 4096;
 /// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
 const LEFT: f64 = 0.25;
 /// Balls are weighed anew after so many of the shortest substeps, and where pairs were searched.
@@ -210,8 +212,9 @@ fn are_unequal(bodies: &[Body], rests: &[Rest]) -> bool {
         most / least
     };
     let masses = ratio(&|_, rest| rest.own);
+    let count = bodies.len();
     masses > UNLIKE && ratio(&|body, rest| rest.own * body.radius * body.radius) > UNLIKE
-        || masses > UNLIKE_IN_SIZE && bodies.len() > FEW
+        || masses > UNLIKE_IN_SIZE && count > FEW && count <= MOST_UNLIKE_IN_SIZE
 }
 
 /// The square of the speed, px/s, of what falls so far, px.
