@@ -71,10 +71,9 @@ fn an_elastic_ball_keeps_its_energy_in_a_gap_where_it_hits_something_in_every_su
     let mut number = random(2);
     for _ in 0..40 {
         let radius = 10.0 + 20.0 * number();
-        let peg = ball(29.0 + radius * number(), 150.0, radius).fixed();
-        let place = DVec2::new(16.0, 150.0 - radius - 20.0);
-        let (aside, down) = (800.0 * number(), 600.0 * number());
-        let rattling = moving(ball(place.x, place.y, 14.0), aside, down);
+        let peg = ball(28.5 + 2.0 * number() + radius, 150.0, radius).fixed();
+        let beside = ball(14.1, 150.0 + 10.0 * number(), 14.0);
+        let rattling = moving(beside, 200.0 + 500.0 * number(), 600.0 * number() - 600.0);
         let world = world(440.0, 440.0, 1.0).with_gravity(EARTH).unwrap();
         let mut gap = simulation(world, vec![peg, rattling]);
         let start = energy(&gap);
