@@ -9,7 +9,7 @@ use super::{Disc, Entry, Grid, compare, touch};
 /// point each is held apart from so many at a time, and from the rest when these are gone.
 const MOST_BESIDE: usize = 64;
 /// Where there are more pairs than this, a ball is paired with no more than that of any others.
-const MANY: usize = 1 << 22;
+const MANY: usize = 1 << 20;
 /// More balls than this in the cells beside one are a crowd, of which the first that touch it are enough.
 const CROWD: usize = 256;
 
