@@ -166,8 +166,8 @@ impl Exact {
             let (flight, marks) = (&self.flights[slot], self.marks[slot]);
             (ball.position, ball.velocity) =
                 if N::HOLDS { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
-            let stays = marks.has(Marks::HELD) || marks.rests() == 3;
-            let leans = marks.has(Marks::LEANS) && (stays || now - flight.time < lean);
+            // What is held, or has no room, rests along both axes.
+            let leans = marks.has(Marks::LEANS) && (marks.rests() == 3 || now - flight.time < lean);
             let inside = self.overlaps.as_ref().is_some_and(|overlaps| !overlaps[slot].is_empty());
             *touches = leans || inside || marks.has(Marks::HIT);
         }

@@ -15,9 +15,9 @@ const LET_PASS_PER_BALL: f64 = 16.0;
 /// Events at one time above which balls have no room to move at all: hits that would go on for ever take all their
 /// speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
 const MOST_AT_ONCE: usize = 1 << 16;
-/// The same where some time passes, and only balls get nowhere in it.
+/// The same where some time passes, and only balls get nowhere in it. No more than the other: it is compared first.
 const MOST_CREEPING: usize = 1 << 12;
-/// The same for each ball, where that is more in all.
+/// Either for each ball, where that is more in all.
 const MOST_AT_ONCE_PER_BALL: usize = 64;
 
 /// How far impacts have run ahead of what can be followed.
