@@ -96,8 +96,9 @@ fn a_pile_settles_with_little_overlap_and_its_energy_does_not_rise() {
 }
 
 #[test]
-fn a_pile_of_thousands_settles_with_little_overlap_and_gets_no_more_than_a_hundredth_of_its_energy_back() {
-    assert_settles(2500, 1e-2, 0.05, 0.5);
+fn a_pile_of_thousands_settles_with_little_overlap_and_gets_no_more_than_a_thousandth_of_its_energy_back() {
+    // What overlaps stored in the crash gave three thousandths back.
+    assert_settles(2500, 5e-4, 0.05, 0.5);
 }
 
 /// A slab of balls, one and a half times as high as wide, that lies at the left of a box four times as wide.
@@ -134,15 +135,22 @@ fn a_slab_that_collapses_in_a_wide_box_comes_to_rest_nearly_level() {
 /// Small ones between large ones trembled for ever, and were pressed into each other by up to half of their radius.
 #[test]
 fn a_pile_of_one_material_comes_to_rest_however_unlike_its_sizes() {
-    for seed in [1, 2, 3] {
+    for (count, size, radius, seed, seconds) in [
+        (1200, [438, 246], [1, 6], 1, 8.0),
+        (1200, [438, 246], [1, 6], 2, 8.0),
+        (1200, [438, 246], [1, 6], 3, 8.0),
+        // More of these never rested, nor did most of those within twice the time.
+        (6000, [980, 551], [1, 6], 1, 14.0),
+        (3000, [864, 486], [2, 7], 4, 10.0),
+    ] {
         let text = format!(
-            "solver = \"contact\"\nsize = [438, 246]\ngravity = [0, 980]\n[walls]\nrestitution = 0.5\n[pairs]\n\
-             [[fill]]\ncount = 1200\nradius = [1, 6]\nrestitution = 0.5\nseed = {seed}\n"
+            "solver = \"contact\"\nsize = {size:?}\ngravity = [0, 980]\n[walls]\nrestitution = 0.5\n[pairs]\n\
+             [[fill]]\ncount = {count}\nradius = {radius:?}\nrestitution = 0.5\nseed = {seed}\n"
         );
         let mut pile = Scene::parse("sizes", &text).unwrap().build().unwrap();
-        pile.advance(8.0).unwrap();
-        assert_eq!(fastest(&pile), 0.0, "seed {seed}");
-        assert!(overlap(&pile) < 0.03, "seed {seed}: {}", overlap(&pile));
+        pile.advance(seconds).unwrap();
+        assert_eq!(fastest(&pile), 0.0, "{count} of radius {radius:?}, seed {seed}");
+        assert!(overlap(&pile) < 0.05, "{count} of radius {radius:?}, seed {seed}: {}", overlap(&pile));
     }
 }
 

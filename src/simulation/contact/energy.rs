@@ -1,79 +1,168 @@
 //! What holds balls gives them no energy.
 //!
-//! A ball may count as heavier than it is where it is held (`weights`), what is let go of keeps what it was given, and what
-//! pressed in the last substep may press on nothing in this one: each of these may be energy from nowhere. So may what takes
-//! balls out of each other that were put there (`parting`); and, without gravity, what holds a ball that comes from far away: it
-//! is held by where it will be, which may ask for more speed than is taken away again. So where there are such balls, those
-//! that become faster by what holds them take together no more than it takes from others. Where nothing carries any, they keep
-//! their momentum: those that hold each other move against each other with no more energy than they would. Impacts see to
-//! their own energy. Where something carries balls, all share one account: which of them it carries is not looked for.
+//! A ball may count as heavier than it is where it is held (`weights`), what is let go of keeps what it was given, what
+//! pressed in the last substep may press on nothing in this one, and overlaps store what sweeps miss in a crash: each of these
+//! may be energy from nowhere. So may what takes balls out of each other that were put there (`parting`); and, without gravity,
+//! what holds a ball that comes from far away: it is held by where it will be, which may ask for more speed than is taken away
+//! again. So those that become faster by what holds them take together no more than it takes from others. Where nothing
+//! carries any, they keep their momentum: those that hold each other move against each other with no more energy than they
+//! would. Impacts see to their own energy. Where something carries balls, all share one account: which of them it carries is
+//! not looked for.
 
 use glam::DVec2;
 
+use super::super::lesser::lesser;
 use super::common::mean;
 use super::fates::Shift;
 use super::islands::islands;
+use super::layout::Layer;
 use super::sleep::Rest;
-use super::{Body, Contact};
+use super::stripes::{Stripe, of_layer};
+use super::sweep::{Pass, Share};
+use super::weights::Unlike;
+use super::{Body, Contact, Setting};
+
+/// How energy is kept in a substep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Keeping {
+    /// Nothing can gain any.
+    Nothing,
+    /// A held ball has one velocity all through a substep, and what flies has such a one in the middle of it: what flew until
+    /// now has half a kick of gravity less at its beginning.
+    AsLanded,
+    /// The same without that, where balls may gain much by it: those that are pressed out of each other.
+    Strictly,
+}
+
+/// What a stripe's balls gain and lose by what holds them.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Account {
+    gained: f64,
+    lost: f64,
+}
 
 impl Contact {
-    /// Notes how balls would move without what holds them, after their impacts, where that may give them energy.
-    pub(super) fn note_unheld(&mut self) {
-        let Self { setting, bodies, near: Some(near), course, parting, unheld, .. } = self else { return };
+    /// Finds out how energy is to be kept in this substep, after its impacts.
+    pub(super) fn find_keeping(&mut self) {
+        let Self { setting, substeps, near: Some(near), course, parting, .. } = self else { return };
         let far = || course.fates.iter().any(|fate| fate.shift == Shift::Far);
-        unheld.clear();
-        let falls = || setting.kick != DVec2::ZERO && !setting.is_grounded();
-        if near.weights.differ || parting.goes_on() || falls() || (setting.kick == DVec2::ZERO && far()) {
-            unheld.extend(bodies.iter().map(|body| body.free));
-        }
+        setting.keeping = if parting.goes_on() || near.weights.differ() {
+            Keeping::Strictly
+        } else if setting.kick != DVec2::ZERO && !(setting.is_grounded() && substeps.are_at_rest()) || far() {
+            Keeping::AsLanded
+        } else {
+            Keeping::Nothing
+        };
     }
 
     /// Slows those that have gained energy by what holds them, where they have gained more than others have lost.
     pub(super) fn keep_energy(&mut self) {
-        let Self { setting, bodies, rests, near: Some(near), unheld, .. } = self else { return };
-        if unheld.is_empty() {
+        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
+        if setting.keeping == Keeping::Nothing {
             return;
         }
         if setting.is_grounded() {
-            keep_of_all(bodies, rests, unheld, setting.kick);
-        } else {
-            let mut pairs = near.holding().map(|(first, second, _)| (first, second)).peekable();
-            if pairs.peek().is_none() {
-                // Each falls by itself: no islands need to be looked for.
-                return;
+            let (mut gained, mut lost) = (0.0, 0.0);
+            for Stripe { account, .. } in of_layer(&mut near.stripes, near.layout, Layer::Own) {
+                gained += account.gained;
+                lost += account.lost;
             }
-            for island in islands(bodies.len(), pairs) {
-                keep_of_island(bodies, rests, unheld, &island);
+            if gained > lost {
+                let slow = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
+                    stripe.slow_gaining(setting, share.bodies, lost / gained);
+                };
+                self.sweep(&[Pass { layers: &[Layer::Own], only_busy: false, work: &slow }]);
+            }
+            return;
+        }
+        let mut pairs = near.holding().map(|(first, second, _)| (first, second)).peekable();
+        if pairs.peek().is_none() {
+            // Each falls by itself: no islands need to be looked for.
+            return;
+        }
+        let unheld = |at| {
+            let (stripe, place) = near.layout.place_of(at);
+            near.stripes[stripe].unheld[place as usize]
+        };
+        for island in islands(bodies.len(), pairs) {
+            keep_of_island(bodies, rests, unheld, &island);
+        }
+    }
+}
+
+impl Pass<'_> {
+    /// Notes how balls would move without what holds them.
+    pub(super) const NOTE_UNHELD: Self = Self {
+        layers: &[Layer::Own],
+        only_busy: false,
+        work: &|setting, Stripe { unheld, unheld_energies, .. }, Share { bodies, .. }| {
+            unheld.clear();
+            unheld_energies.clear();
+            if setting.is_grounded() {
+                unheld_energies.extend(bodies.iter().map(|body| unheld_energy(setting, body)));
+            } else {
+                unheld.extend(bodies.iter().map(|body| body.free));
+            }
+        },
+    };
+
+    /// Adds up what they gain by it, and lose.
+    pub(super) const ADD_UP: Self = Self {
+        layers: &[Layer::Own],
+        only_busy: false,
+        work: &|setting, Stripe { unheld_energies, account, .. }, Share { bodies, rests, .. }| {
+            *account = Account::default();
+            for ((body, rest), &before) in bodies.iter().zip(*rests).zip(&*unheld_energies) {
+                // With what it weighs, whatever it counts with. No branch: what comes of each is a toss.
+                let own = if setting.unlike == Unlike::Nothing { body.inverse_mass } else { rest.own };
+                let mass = if own > 0.0 { own.recip() } else { 0.0 };
+                let (gained, lost) = gain(setting, body, before);
+                account.gained += gained * mass;
+                account.lost += lost * mass;
+            }
+        },
+    };
+}
+
+impl Stripe {
+    /// Leaves those that have gained energy by what holds them only a part of that.
+    fn slow_gaining(&self, setting: &Setting, bodies: &mut [Body], part: f64) {
+        let Setting { kick, .. } = *setting;
+        for (body, &before) in bodies.iter_mut().zip(&self.unheld_energies) {
+            let (gained, _) = gain(setting, body, before);
+            if gained > 0.0 {
+                slow(body, body.velocity * (speed_of(before + part * gained, body.velocity, kick) - 1.0));
             }
         }
     }
 }
 
-/// Slows those of all balls that have gained energy.
-fn keep_of_all(bodies: &mut [Body], rests: &[Rest], unheld: &[DVec2], kick: DVec2) {
-    let change = |body: &Body, &unheld: &DVec2| energy(body.velocity, kick) - energy(unheld, kick);
-    let (mut gained, mut lost) = (0.0, 0.0);
-    for ((body, rest), unheld) in bodies.iter().zip(rests).zip(unheld).filter(|((_, rest), _)| rest.own > 0.0)
-    {
-        // With what they weigh, whatever they count with.
-        let change = change(body, unheld) / rest.own;
-        *(if change > 0.0 { &mut gained } else { &mut lost }) += change.abs();
-    }
-    if gained <= lost {
-        return;
-    }
-    for (body, unheld) in bodies.iter_mut().zip(unheld) {
-        let change = change(body, unheld);
-        if change > 0.0 {
-            let kept = energy(*unheld, kick) + change * (lost / gained);
-            slow(body, body.velocity * (speed_of(kept, body.velocity, kick) - 1.0));
-        }
+/// Twice the energy, for its mass, with which a ball begins a substep in which it may be held.
+#[inline]
+fn unheld_energy(setting: &Setting, body: &Body) -> f64 {
+    energy(body.free, setting.kick) + if body.is_free() { setting.keeping.landing(setting.kick) } else { 0.0 }
+}
+
+/// How much more it has now than `before`, and how much less.
+#[inline]
+fn gain(setting: &Setting, body: &Body, before: f64) -> (f64, f64) {
+    let gain = energy(body.velocity, setting.kick) - before;
+    // What flies on loses nothing.
+    let unlost = if body.is_free() { setting.keeping.landing(setting.kick) } else { 0.0 };
+    (gain - lesser(gain, 0.0), -lesser(gain + unlost, 0.0))
+}
+
+impl Keeping {
+    /// Twice the energy, for its mass, that what flies has more at a substep's beginning than it is shown with.
+    #[inline]
+    fn landing(self, kick: DVec2) -> f64 {
+        if self == Self::AsLanded { 0.25 * kick.length_squared() } else { 0.0 }
     }
 }
 
 /// Slows balls that hold each other against what they all have in common.
-fn keep_of_island(bodies: &mut [Body], rests: &[Rest], unheld: &[DVec2], island: &[usize]) {
-    let (_, before) = motion(island, rests, |at| unheld[at]);
+fn keep_of_island(bodies: &mut [Body], rests: &[Rest], unheld: impl Fn(usize) -> DVec2, island: &[usize]) {
+    let (_, before) = motion(island, rests, unheld);
     let (common, energy) = motion(island, rests, |at| bodies[at].velocity);
     if energy > before {
         let kept = (before / energy).sqrt();
@@ -130,6 +219,17 @@ mod tests {
         contact
     }
 
+    fn note_unheld(contact: &mut Contact) {
+        contact.setting.unlike = Unlike::Density;
+        contact.find_keeping();
+        contact.sweep(&[Pass::NOTE_UNHELD]);
+    }
+
+    fn keep_energy(contact: &mut Contact) {
+        contact.sweep(&[Pass::ADD_UP]);
+        contact.keep_energy();
+    }
+
     /// Which body the ball of this index is.
     fn at(contact: &Contact, index: u32) -> usize {
         contact.ids.iter().position(|&id| id == index).unwrap()
@@ -141,11 +241,11 @@ mod tests {
         let (heavy, light) = (at(&contact, 0), at(&contact, 1));
         contact.bodies[light].free = DVec2::new(30.0, 40.0);
         contact.bodies[heavy].free = DVec2::ZERO;
-        contact.note_unheld();
+        note_unheld(&mut contact);
         contact.bodies[light].velocity = DVec2::new(0.0, -30.0);
         contact.bodies[heavy].velocity = DVec2::new(100.0, 0.0);
         contact.bodies[heavy].free = DVec2::new(60.0, 0.0);
-        contact.keep_energy();
+        keep_energy(&mut contact);
         // The light one has lost 50² - 30², and will be higher than it would have been.
         let speed = ((1600.0 - 70.0 * contact.setting.kick.y) / 1e4).sqrt();
         let Body { velocity, free, .. } = contact.bodies[heavy];
@@ -161,10 +261,10 @@ mod tests {
         for body in &mut contact.bodies {
             body.free = body.velocity + contact.setting.kick;
         }
-        contact.note_unheld();
+        note_unheld(&mut contact);
         contact.bodies[heavy].velocity = DVec2::ZERO;
         contact.bodies[light].velocity = DVec2::new(100.0, 0.0);
-        contact.keep_energy();
+        keep_energy(&mut contact);
         assert_eq!(contact.bodies[light].velocity, DVec2::ZERO);
     }
 
@@ -173,10 +273,10 @@ mod tests {
         let mut contact = unlike();
         let (heavy, light) = (at(&contact, 0), at(&contact, 1));
         contact.bodies[heavy].free = DVec2::new(3.0, 0.0);
-        contact.note_unheld();
+        note_unheld(&mut contact);
         contact.bodies[heavy].velocity = DVec2::ZERO;
         contact.bodies[light].velocity = DVec2::new(0.0, 299.0);
-        contact.keep_energy();
+        keep_energy(&mut contact);
         assert_eq!(contact.bodies[light].velocity, DVec2::new(0.0, 299.0));
     }
 }

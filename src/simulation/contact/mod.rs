@@ -74,6 +74,7 @@ use super::grid::Grid;
 use super::world::{Pairs, World};
 use super::{Tally, Tuning, within};
 use body::Body;
+use energy::Keeping;
 use find::Cargo;
 use layout::{Layer, Layout};
 use near::Near;
@@ -86,6 +87,7 @@ use support::{Tolerance, give, two};
 use sweep::{Pass, Share};
 use team::Team;
 use turns::Course;
+use weights::Unlike;
 
 /// A pair that holds each other bounces only where it meets faster than [`Setting::firm`] and this part of the velocity
 /// that the constraint gives it in a substep, but no more than so many kicks of gravity: under a great load, what is left to be
@@ -121,8 +123,10 @@ struct Setting {
     rest_speed: f64,
     /// How contacts give way.
     softness: Softness,
-    /// Whether balls that press may not all be of one material or mass (`weights`).
-    differ: bool,
+    /// In what balls that press are unlike.
+    unlike: Unlike,
+    /// How what holds balls is kept from giving them energy.
+    keeping: Keeping,
     /// Where sweeps are followed to their end: what they may change yet when they have settled.
     to_the_end: Option<Tolerance>,
     /// Balls that slide on each other faster than this, px/s, do not grip each other.
@@ -165,8 +169,6 @@ pub(super) struct Contact {
     course: Course,
     room: Room,
     parting: Parting,
-    /// How each body would move without what holds it; of none where that gives no energy.
-    unheld: Vec<DVec2>,
     /// Where contacts are only shown.
     shown: Option<Grid>,
     /// What happened to each body since the last frame.
@@ -207,7 +209,6 @@ impl Contact {
             course: Course::default(),
             room: Room::default(),
             parting: Parting::new(),
-            unheld: Vec::new(),
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
             hit: vec![false; balls.len()],
             steps: 0,
@@ -240,7 +241,7 @@ impl Contact {
         self.impacts(tally);
         if self.setting.can_rest {
             self.slow_counted();
-            self.note_unheld();
+            self.find_keeping();
             self.support();
             // Without what has nothing to do: threads would wait for each other to find that out.
             let presses = self.setting.kick != DVec2::ZERO;
@@ -259,6 +260,7 @@ impl Contact {
                 Pass::RELAX,
                 Pass::RELAX_ON_WALLS,
                 Pass::FIND_THROWN,
+                if self.setting.keeping == Keeping::Nothing { Pass::NOTHING } else { Pass::ADD_UP },
             ];
             self.move_on(&passes, 3);
             self.keep_energy();

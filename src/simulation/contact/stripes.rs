@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use super::super::Tally;
 use super::carry::Floor;
 use super::constraints::{Beside, Constraint, Given, Marks, Pair};
+use super::energy::Account;
 use super::events::Event;
 use super::layout::{Layer, Layout};
 use super::legs::Leg;
@@ -73,6 +74,12 @@ pub(super) struct Stripe {
     pub(super) deep: Vec<Pair>,
     /// Balls that what held them has thrown.
     pub(super) thrown: Vec<u32>,
+    /// What its bodies, no seam's, would move with without what holds them, or with how much energy; of none where that gives
+    /// none.
+    pub(super) unheld: Vec<DVec2>,
+    pub(super) unheld_energies: Vec<f64>,
+    /// What they gain and lose by that.
+    pub(super) account: Account,
     /// Strays, and balls that are about to go where they are not covered.
     pub(super) leaving: Vec<u32>,
     /// Pairs of these across the stripe's edges, by the numbers of their bodies among all.

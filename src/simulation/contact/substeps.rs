@@ -12,10 +12,12 @@ use glam::DVec2;
 use super::super::Tuning;
 use super::super::ball::Ball;
 use super::super::world::World;
+use super::energy::Keeping;
 use super::find::FEW;
 use super::layout::Layer;
 use super::stripes::of_layer;
 use super::sweep::Pass;
+use super::weights::Unlike;
 use super::{Contact, Setting};
 
 /// Beats in a second, at least.
@@ -68,10 +70,12 @@ pub(super) struct Substeps {
     calm: u32,
 }
 
-/// Where masses differ, contacts give way by so much less: a light ball that carries a heavy one carries many times its own
+/// Where densities differ, contacts give way by so much less: a light ball that carries a heavy one carries many times its own
 /// weight, and what it would give way by each substep, would be taken from the heavy one (`Stripe::carry_all`), which then
 /// never came through.
 const STIFFER: f64 = 0.1;
+/// The same of one material: the firmer, the less small balls are pressed into each other, and the later thousands rest.
+const STIFFER_OF_SIZES: f64 = 0.3;
 
 /// How contacts give way in a substep.
 ///
@@ -88,14 +92,19 @@ pub(super) struct Softness {
 }
 
 impl Softness {
-    /// That which suits so many substeps in a beat, of balls whose masses differ or do not.
-    fn of(count: u32, differ: bool) -> Self {
+    /// That which suits so many substeps in a beat, of such balls.
+    fn of(count: u32, unlike: Unlike) -> Self {
         let (mended, soft) = match count {
             ..=FEWEST => (0.8, 0.004),
             3 => (0.6, 0.006),
             MOST.. => (0.3, 0.006),
         };
-        let soft = if differ { STIFFER * soft } else { soft };
+        let soft = soft
+            * match unlike {
+                Unlike::Nothing => 1.0,
+                Unlike::Size => STIFFER_OF_SIZES,
+                Unlike::Density => STIFFER,
+            };
         Self { mended, yielding: 1.0 / (1.0 + soft), yielding_of_few: 1.0 / (1.0 + 0.25 * soft) }
     }
 }
@@ -127,14 +136,19 @@ impl Substeps {
         }
     }
 
-    /// How contacts give way in it, of balls whose masses differ or do not.
-    pub(super) fn softness(&self, differ: bool) -> Softness {
-        Softness::of(self.count, differ)
+    /// How contacts give way in it, of such balls.
+    pub(super) fn softness(&self, unlike: Unlike) -> Softness {
+        Softness::of(self.count, unlike)
     }
 
     /// Whether they are the shortest.
     pub(super) fn are_short(&self) -> bool {
         self.count == MOST
+    }
+
+    /// Whether few balls were hit for so long that what goes on among them is no crash.
+    pub(super) fn are_at_rest(&self) -> bool {
+        self.calm >= AT_REST
     }
 
     /// How long a substep takes.
@@ -190,8 +204,9 @@ impl Setting {
             mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
             // Without gravity there is no chatter to be left out.
             rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
-            softness: Softness::of(MOST, false),
-            differ: false,
+            softness: Softness::of(MOST, Unlike::Nothing),
+            unlike: Unlike::Nothing,
+            keeping: Keeping::Nothing,
             to_the_end: None,
             gripping: f64::INFINITY,
         };
@@ -253,7 +268,7 @@ impl Contact {
         if !steps.is_multiple_of(u64::from(PARTS)) {
             return;
         }
-        let rough = substeps.calm < beats || near.weights.differ || *asleep * MANY_ASLEEP > bodies.len();
+        let rough = substeps.calm < beats || near.weights.differ() || *asleep * MANY_ASLEEP > bodies.len();
         substeps.calm = substeps.calm.saturating_add(1);
         if rough {
             substeps.next = MOST;
@@ -268,7 +283,7 @@ impl Contact {
         };
         substeps.next = if few_carry(0) {
             FEWEST
-        } else if few_carry(if substeps.calm < AT_REST { 1 } else { 2 }) {
+        } else if few_carry(if substeps.are_at_rest() { 2 } else { 1 }) {
             FEWEST + 1
         } else {
             MOST
@@ -403,13 +418,22 @@ mod tests {
         for _ in 0..15 {
             beat(&mut pile, None);
         }
-        let mut next = |differ, asleep| {
-            pile.near.as_mut().unwrap().weights.differ = differ;
+        let mut next = |unlike, asleep| {
+            pile.near.as_mut().unwrap().weights.unlike = unlike;
             pile.asleep = asleep;
             pile.look_for_calm();
             pile.substeps.next
         };
-        assert_eq!([next(false, 0), next(true, 0), next(false, 7), next(false, 8)], [2, 4, 2, 4]);
+        assert_eq!(
+            [
+                next(Unlike::Nothing, 0),
+                next(Unlike::Size, 0),
+                next(Unlike::Density, 0),
+                next(Unlike::Nothing, 7),
+                next(Unlike::Nothing, 8)
+            ],
+            [2, 4, 4, 2, 4]
+        );
     }
 
     #[test]

@@ -12,6 +12,7 @@ use glam::DVec2;
 
 use super::super::lesser::lesser;
 use super::constraints::{Constraint, Pair};
+use super::energy::Keeping;
 use super::find::FEW;
 use super::layout::Layer;
 use super::near::Near;
@@ -19,6 +20,7 @@ use super::stripes::Stripe;
 use super::substeps::Softness;
 use super::sweep::{Pass, Share};
 use super::wall_support::{hold_on_walls, lay_on_walls, relax_on_walls};
+use super::weights::Unlike;
 use super::{Body, Contact, Setting};
 
 /// The part of slow sliding of balls that press on each other that is taken away in a substep.
@@ -91,8 +93,8 @@ struct Sweeps {
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
-        let differ = self.near.as_ref().is_some_and(|near| near.weights.differ);
-        (self.setting.softness, self.setting.differ) = (self.substeps.softness(differ), differ);
+        let unlike = self.near.as_ref().map_or(Unlike::Nothing, |near| near.weights.unlike);
+        (self.setting.softness, self.setting.unlike) = (self.substeps.softness(unlike), unlike);
         // Large piles tremble: without a grip, ten thousand balls take five times as long to come to rest.
         self.setting.gripping = if self.bodies.len() <= FEW { self.setting.firm } else { f64::INFINITY };
         let Sweeps { rounds, settled, fast, left, to_the_end } = self.sweeps();
@@ -125,7 +127,8 @@ impl Contact {
         };
         let (inward, outward) =
             (Pass::over_near(Layer::INWARD, &inward), Pass::over_near(Layer::OUTWARD, &outward));
-        self.sweep(&[Pass::over_near(Layer::OUTWARD, &warm_start), inward]);
+        let note = if self.setting.keeping == Keeping::Nothing { Pass::NOTHING } else { Pass::NOTE_UNHELD };
+        self.sweep(&[note, Pass::over_near(Layer::OUTWARD, &warm_start), inward]);
         let unsettled = |near: &Near| near.stripes.iter().any(|stripe| stripe.unsettled);
         for _ in 1..rounds {
             if !self.near.as_ref().is_some_and(unsettled) {
@@ -140,8 +143,9 @@ impl Contact {
 
     /// The sweeps that suit what presses.
     fn sweeps(&self) -> Sweeps {
-        let Setting { kick, differ, softness: Softness { yielding, yielding_of_few, .. }, .. } = self.setting;
+        let Setting { kick, unlike, softness: Softness { yielding, yielding_of_few, .. }, .. } = self.setting;
         let few = self.bodies.len() <= FEW;
+        let differ = unlike != Unlike::Nothing;
         let usual = Sweeps {
             rounds: ROUNDS,
             settled: SETTLED,

@@ -21,10 +21,10 @@ const HEAVIER: f64 = 2.0;
 /// Where no two masses differ by more, or where none are as unlike in density, sweeps find what each passes on ...
 const UNLIKE: f64 = 4.0;
 /// ... unless masses differ by more than this, ...
-const UNLIKE_IN_SIZE: f64 = 16.0;
+const UNLIKE_IN_SIZE: f64 = 8.0;
 /// ... among more than few balls, and no more than so many: of one material, small ones between large ones went on trembling, and
-/// were pressed into each other. More would take too long.
-const MOST_UNLIKE_IN_SIZE: usize = 4096;
+/// were pressed into each other. More take too long, and do not come to rest all the same.
+const MOST_UNLIKE_IN_SIZE: usize = 16_384;
 /// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
 const LEFT: f64 = 0.25;
 /// Balls are weighed anew after so many of the shortest substeps, and where pairs were searched.
@@ -33,11 +33,22 @@ const PERIOD: u64 = 8;
 /// stands still leaves it there. Balls side by side pass weight on to each other.
 const LEVEL: f64 = 2.0 / 3.0;
 
+/// In what balls are so unlike that some may count as heavier than they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Unlike {
+    /// In nothing.
+    #[default]
+    Nothing,
+    /// All are of one material.
+    Size,
+    Density,
+}
+
 /// Which balls weigh what.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Weights {
-    /// Whether some may count as heavier than they are: there is gravity, and not all are of one material or mass.
-    pub(super) differ: bool,
+    /// In nothing where there is no gravity.
+    pub(super) unlike: Unlike,
     /// What they counted with before, and what they count with.
     before: Vec<f64>,
     counted: Vec<f64>,
@@ -54,12 +65,12 @@ impl Contact {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return false };
         if searched {
             // Without gravity nothing presses, and without anything to lie on, nothing does for long.
-            near.weights.differ =
-                setting.is_grounded() && setting.kick != DVec2::ZERO && are_unequal(bodies, rests);
+            let presses = setting.is_grounded() && setting.kick != DVec2::ZERO;
+            near.weights.unlike = if presses { Unlike::among(bodies, rests) } else { Unlike::Nothing };
         } else if !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
             return false;
         }
-        near.weights.differ && near.weigh(bodies, rests, setting)
+        near.weights.differ() && near.weigh(bodies, rests, setting)
     }
 
     /// Slows down what counts as heavier than it is, is faster than one that falls as far as it is wide, and will be held by
@@ -70,7 +81,7 @@ impl Contact {
             body.inverse_mass < rest.in_impacts()
                 && body.velocity.length_squared() > fall(setting, 2.0 * body.radius)
         };
-        if !near.weights.differ || !bodies.iter().zip(&*rests).any(is_fast) {
+        if !near.weights.differ() || !bodies.iter().zip(&*rests).any(is_fast) {
             return;
         }
         let fast: Vec<bool> = bodies.iter().zip(&*rests).map(is_fast).collect();
@@ -95,6 +106,13 @@ impl Contact {
                 fate.slow_down(setting, body, change);
             }
         }
+    }
+}
+
+impl Weights {
+    /// Whether some may count as heavier than they are.
+    pub(super) fn differ(&self) -> bool {
+        self.unlike != Unlike::Nothing
     }
 }
 
@@ -202,19 +220,26 @@ impl Constraint {
     }
 }
 
-/// Whether any two balls are unlike.
-fn are_unequal(bodies: &[Body], rests: &[Rest]) -> bool {
-    let ratio = |of: &dyn Fn(&Body, &Rest) -> f64| {
-        let moved = bodies.iter().zip(rests).filter(|(_, rest)| rest.own > 0.0);
-        let (least, most) = moved
-            .map(|(body, rest)| of(body, rest))
-            .fold((f64::INFINITY, 0.0_f64), |(least, most), of| (least.min(of), most.max(of)));
-        most / least
-    };
-    let masses = ratio(&|_, rest| rest.own);
-    let count = bodies.len();
-    masses > UNLIKE && ratio(&|body, rest| rest.own * body.radius * body.radius) > UNLIKE
-        || masses > UNLIKE_IN_SIZE && count > FEW && count <= MOST_UNLIKE_IN_SIZE
+impl Unlike {
+    /// What that is among these balls.
+    fn among(bodies: &[Body], rests: &[Rest]) -> Self {
+        let ratio = |of: &dyn Fn(&Body, &Rest) -> f64| {
+            let moved = bodies.iter().zip(rests).filter(|(_, rest)| rest.own > 0.0);
+            let (least, most) = moved
+                .map(|(body, rest)| of(body, rest))
+                .fold((f64::INFINITY, 0.0_f64), |(least, most), of| (least.min(of), most.max(of)));
+            most / least
+        };
+        let masses = ratio(&|_, rest| rest.own);
+        let count = bodies.len();
+        if masses > UNLIKE && ratio(&|body, rest| rest.own * body.radius * body.radius) > UNLIKE {
+            Self::Density
+        } else if masses > UNLIKE_IN_SIZE && count > FEW && count <= MOST_UNLIKE_IN_SIZE {
+            Self::Size
+        } else {
+            Self::Nothing
+        }
+    }
 }
 
 /// The square of the speed, px/s, of what falls so far, px.
