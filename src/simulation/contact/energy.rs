@@ -99,7 +99,7 @@ impl Pass<'_> {
             unheld.clear();
             unheld_energies.clear();
             if setting.is_grounded() {
-                unheld_energies.extend(bodies.iter().map(|body| unheld_energy(setting, body)));
+                unheld_energies.extend(bodies.iter().map(|body| energy(body.free, setting.kick)));
             } else {
                 unheld.extend(bodies.iter().map(|body| body.free));
             }
@@ -131,31 +131,25 @@ impl Stripe {
         for (body, &before) in bodies.iter_mut().zip(&self.unheld_energies) {
             let (gained, _) = gain(setting, body, before);
             if gained > 0.0 {
-                slow(body, body.velocity * (speed_of(before + part * gained, body.velocity, kick) - 1.0));
+                let kept = energy(body.velocity, kick) - (1.0 - part) * gained;
+                slow(body, body.velocity * (speed_of(kept, body.velocity, kick) - 1.0));
             }
         }
     }
 }
 
-/// Twice the energy, for its mass, with which a ball begins a substep in which it may be held.
-#[inline]
-fn unheld_energy(setting: &Setting, body: &Body) -> f64 {
-    energy(body.free, setting.kick) + if body.is_free() { setting.keeping.landing(setting.kick) } else { 0.0 }
-}
-
-/// How much more it has now than `before`, and how much less.
+/// How much more it has now than `before`, and how much less: what counts.
 #[inline]
 fn gain(setting: &Setting, body: &Body, before: f64) -> (f64, f64) {
     let gain = energy(body.velocity, setting.kick) - before;
-    // What flies on loses nothing.
-    let unlost = if body.is_free() { setting.keeping.landing(setting.kick) } else { 0.0 };
-    (gain - lesser(gain, 0.0), -lesser(gain + unlost, 0.0))
+    let spare = setting.keeping.spare(setting.kick);
+    (-lesser(spare - gain, 0.0), -lesser(gain, 0.0))
 }
 
 impl Keeping {
-    /// Twice the energy, for its mass, that what flies has more at a substep's beginning than it is shown with.
+    /// Twice the energy, for its mass, that a ball may gain.
     #[inline]
-    fn landing(self, kick: DVec2) -> f64 {
+    fn spare(self, kick: DVec2) -> f64 {
         if self == Self::AsLanded { 0.25 * kick.length_squared() } else { 0.0 }
     }
 }

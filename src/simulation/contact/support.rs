@@ -30,6 +30,9 @@ const ROUNDS: u32 = 3;
 /// The same where few balls press, and a crash is followed to its end, and so is what a steep wedge bears, a flat arch, or a tube
 /// of unlike balls: sweeps find that slowly, and what is missing would be stored in overlaps, and given back as speed.
 const ROUNDS_OF_FEW: u32 = 300;
+/// The same where few of many like balls press, since the others sleep: what is squeezed between sleepers, which do not give way,
+/// is given more in each sweep, without end, and that would shoot away what it wakes.
+const ROUNDS_AMONG_SLEEPERS: u32 = 40;
 /// The same of more balls whose masses differ, so that heavy balls come through light ones, and light ones come to rest beside
 /// heavy ones: with 50, more of them are squeezed out with speed from nowhere ...
 const ROUNDS_OF_MIXED: u32 = 16;
@@ -165,7 +168,8 @@ impl Contact {
             // As many as few balls may have: the others fly, or sleep.
             Some(near) if few || near.touched <= 3 * FEW => {
                 let left = if few { yielding } else { yielding_of_few };
-                Sweeps { rounds: ROUNDS_OF_FEW, settled: SETTLED_OF_MIXED, left, ..usual }
+                let rounds = if differ { ROUNDS_OF_FEW } else { ROUNDS_AMONG_SLEEPERS };
+                Sweeps { rounds, settled: SETTLED_OF_MIXED, left, ..usual }
             }
             Some(near) if differ => {
                 let affordable = (PAIRS_OF_MIXED / near.touched.max(1)) as u32;
