@@ -324,6 +324,23 @@ fn frame(simulation: &mut Simulation) -> bool {
     done.unwrap() == FRAME
 }
 
+/// It may be told to stand still, and was moved by gravity through what lay on it from then on.
+#[test]
+fn a_fixed_ball_that_is_told_to_stand_still_does() {
+    for &solver in Solver::ALL {
+        let balls = [soft(peg(200.0, 200.0, 20.0), 0.0), soft(ball(200.0, 160.0, 20.0), 0.0)];
+        let mut simulation = simulation(solver, boxed(400.0, 300.0, 0.5, EARTH), &balls);
+        run(&mut simulation, 30);
+        let lying = simulation.balls()[1].position();
+        simulation.set_velocity(0, DVec2::ZERO).unwrap();
+        assert!(simulation.set_velocity(0, DVec2::X).is_err());
+        run(&mut simulation, 60);
+        assert_eq!(pegs(simulation.balls()), pegs(&balls), "{solver}");
+        let moved = simulation.balls()[1].position().distance(lying);
+        assert!(solver == Solver::Canvas || moved < 1e-2, "{solver}: what lies on it moves by {moved} px");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig {
         failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::with_cases(200)

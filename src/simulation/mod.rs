@@ -139,7 +139,7 @@ impl Simulation {
     }
 
     /// The same simulation with so many substeps in a second for [`Solver::Contact`], the only one that takes any. Left
-    /// to itself it takes 240, or 120 or 180 where many balls of one material under gravity are hardly hit and none carries
+    /// to itself it takes 240, or 120 or 180 where many like balls under gravity are hardly hit and none carries
     /// hundreds; and a multiple of that where gravity g is strong beside the smallest radius r, so that g·h² stays under
     /// r/100 for the shortest substeps, of h seconds.
     ///

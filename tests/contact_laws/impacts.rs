@@ -20,6 +20,50 @@ fn a_ball_gives_back_its_restitution_from_a_wall_at_any_speed() {
     }
 }
 
+/// By rounding, these two pairs met again at once, and at each end of a substep, and stayed where they were for ever.
+#[test]
+#[expect(clippy::unreadable_literal, reason = "as they were found")]
+fn balls_that_meet_fast_and_take_all_energy_fly_on_and_come_to_rest() {
+    type Thrown = (f64, f64, f64, f64, f64, f64);
+    let dull = |(x, y, radius, mass, right, down): Thrown| {
+        let ball = ball(x, y, radius).with_restitution(0.0).unwrap().with_mass(mass).unwrap();
+        moving(ball, right, down)
+    };
+    let equal = [
+        (1028.853362252802, 947.3931231994469, 10.0, 1.0, -4808.893708800356, 8767.812800092184),
+        (1001.7969979755821, 1000.9856018207201, 10.0, 1.0, 0.0, 0.0),
+    ];
+    let unlike = [
+        (
+            16.333291436419557,
+            22.877180624059196,
+            5.967276741286605,
+            8.385120588337827,
+            -2502.3519277765386,
+            1417.3876832784815,
+        ),
+        (
+            24.837880210750857,
+            12.994216718357453,
+            7.07116663903627,
+            2.859472467195735,
+            -2749.6759847059143,
+            1204.5578664084492,
+        ),
+    ];
+    let small = world(253.10901122375097, 199.9957697858967, 0.8).with_gravity(DVec2::new(300.0, 500.0));
+    let cases = [(world(2000.0, 2000.0, 0.5).with_gravity(EARTH).unwrap(), equal), (small.unwrap(), unlike)];
+    for (world, balls) in cases {
+        let mut pair = simulation(world, balls.map(dull).to_vec());
+        pair.advance(30.0).unwrap();
+        assert!(pair.tally().impacts > 0);
+        for ball in pair.balls() {
+            let above = world.size().y - ball.position().y - ball.radius();
+            assert!(above < 0.1, "one hangs {above} px above the floor at {}", ball.velocity());
+        }
+    }
+}
+
 #[test]
 fn two_balls_give_back_their_restitution_at_any_speed() {
     for e in [0.0, 0.1, 0.7, 1.0] {

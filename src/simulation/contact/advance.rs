@@ -96,6 +96,10 @@ impl Advance for Contact {
 
     fn set_velocity(&mut self, _: &World, balls: &[Ball], index: usize) -> bool {
         let ball = &balls[index];
+        if ball.is_fixed() {
+            // Nothing moves it.
+            return true;
+        }
         let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
         self.free_by_hand(at);
         let body = &mut self.bodies[at];

@@ -13,6 +13,10 @@ const CLOSE: f64 = 1.05;
 /// Centres closer than this, px, have no direction from one to the other.
 pub(super) const COINCIDENT: f64 = 1e-150;
 
+/// Two that come nearer by less than this part of their speed do not: by rounding, those that have just met without restitution
+/// would meet again, for ever.
+const ROUNDING: f64 = 1e-10;
+
 /// A ball wakes of what gives it more than so many kicks of gravity; one that is lighter than what hits it, of less in that
 /// ratio: else that would turn back as if off a wall. (With a quarter, piles of ten thousand come to rest half a second later.)
 const GIVEN: f64 = 1.0;
@@ -107,7 +111,9 @@ impl Meeting {
             (time, offset, offset.dot(velocity).max(offset.dot(then)))
         };
         let length = offset.length();
-        let meets = closing < 0.0 && length >= COINCIDENT;
+        let fastest = first.velocity.length_squared().max(second.velocity.length_squared());
+        let rounding = fastest * (ROUNDING * length) * (ROUNDING * length);
+        let meets = closing < 0.0 && closing * closing > rounding && length >= COINCIDENT;
         meets.then(|| Self { time, offset, length, speed: -closing / length })
     }
 

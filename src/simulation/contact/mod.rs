@@ -4,7 +4,7 @@
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `near`,
-//!    `constraints`, `order`; of single balls `cover`), and what balls weigh where they are held, where masses
+//!    `constraints`, `order`; of single balls `cover`), and what balls weigh where they are held, where densities
 //!    differ (`weights`); the velocity that all have in common where nothing carries any is noted (`common`);
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `stripe_turn`, `rewind`, `events`,
 //!    `fates`, `impacts`, `ending`, `meeting`, `together`, `walls`);
@@ -12,9 +12,9 @@
 //!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`);
 //!    what counts as heavier than it is, and is fast, is slowed down before;
 //! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
-//!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); unlike ones are kept from gaining
-//!    energy, and so are those that were put into each other, until they have parted (`energy`, `islands`, `parting`), and
-//!    those that were thrown by what holds them are let go of (`thrown`);
+//!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from gaining energy by
+//!    what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they have
+//!    parted (`energy`, `islands`, `parting`), and those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,

@@ -3,8 +3,8 @@
 //! What flies is followed from impact to impact in any substep, and what lies still needs no short ones. But where many
 //! are hit, a ball may be hit more often than it may in one, and what is left is to be held before it goes far; and the
 //! more balls carry, the farther they go for what is left to be found of that load. Few balls cost little, and so do
-//! those that are awake among many asleep: they always take four, as do those that nothing presses together, and balls of
-//! unlike materials, which may carry what is many times as heavy. Where gravity is strong, beats are shorter. They follow
+//! those that are awake among many asleep: they always take four, as do those that nothing presses together, and unlike
+//! balls, which may carry what is many times as heavy. Where gravity is strong, beats are shorter. They follow
 //! each other whatever the frames, so that what comes of them does not depend on these.
 
 use glam::DVec2;

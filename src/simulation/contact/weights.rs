@@ -6,6 +6,9 @@
 //! push it aside. And not of one that walls or others as heavy carry: what counts as heavier beside that one only, and not far
 //! from it, would sink there with more energy than it takes to be lifted elsewhere, round and round.
 //!
+//! Balls of one material weigh what they do: none is less than half as dense as another. But where some are many times as heavy,
+//! small ones among large ones are held as light ones among heavy ones are: more firmly, in more sweeps, with no energy gained.
+//!
 //! Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights would do, which
 //! takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
@@ -23,7 +26,7 @@ const UNLIKE: f64 = 4.0;
 /// ... unless masses differ by more than this, ...
 const UNLIKE_IN_SIZE: f64 = 8.0;
 /// ... among more than few balls, and no more than so many: of one material, small ones between large ones went on trembling, and
-/// were pressed into each other. More take too long, and do not come to rest all the same.
+/// were pressed into each other. Twice as many do not come to rest either way, and take twice as long.
 const MOST_UNLIKE_IN_SIZE: usize = 16_384;
 /// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
 const LEFT: f64 = 0.25;
@@ -33,21 +36,22 @@ const PERIOD: u64 = 8;
 /// stands still leaves it there. Balls side by side pass weight on to each other.
 const LEVEL: f64 = 2.0 / 3.0;
 
-/// In what balls are so unlike that some may count as heavier than they are.
+/// In what balls that press are unlike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Unlike {
-    /// In nothing.
+    /// In nothing, or hardly.
     #[default]
     Nothing,
-    /// All are of one material.
+    /// In mass, by their sizes alone.
     Size,
+    /// In mass, and in mass for their size: some may count as heavier than they are.
     Density,
 }
 
 /// Which balls weigh what.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Weights {
-    /// In nothing where there is no gravity.
+    /// In what they are unlike: nothing where there is no gravity.
     pub(super) unlike: Unlike,
     /// What they counted with before, and what they count with.
     before: Vec<f64>,
@@ -63,6 +67,7 @@ impl Contact {
     /// something else than before.
     pub(super) fn weigh_balls(&mut self, searched: bool) -> bool {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return false };
+        let before = near.weights.unlike;
         if searched {
             // Without gravity nothing presses, and without anything to lie on, nothing does for long.
             let presses = setting.is_grounded() && setting.kick != DVec2::ZERO;
@@ -70,7 +75,9 @@ impl Contact {
         } else if !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
             return false;
         }
-        near.weights.differ() && near.weigh(bodies, rests, setting)
+        // Where they are no more, all weigh what they do again.
+        (before == Unlike::Density || near.weights.unlike == Unlike::Density)
+            && near.weigh(bodies, rests, setting)
     }
 
     /// Slows down what counts as heavier than it is, is faster than one that falls as far as it is wide, and will be held by
@@ -81,7 +88,7 @@ impl Contact {
             body.inverse_mass < rest.in_impacts()
                 && body.velocity.length_squared() > fall(setting, 2.0 * body.radius)
         };
-        if !near.weights.differ() || !bodies.iter().zip(&*rests).any(is_fast) {
+        if near.weights.unlike != Unlike::Density || !bodies.iter().zip(&*rests).any(is_fast) {
             return;
         }
         let fast: Vec<bool> = bodies.iter().zip(&*rests).map(is_fast).collect();
@@ -110,7 +117,7 @@ impl Contact {
 }
 
 impl Weights {
-    /// Whether some may count as heavier than they are.
+    /// Whether balls that press are unlike in anything.
     pub(super) fn differ(&self) -> bool {
         self.unlike != Unlike::Nothing
     }
@@ -120,7 +127,7 @@ impl Near {
     /// Finds what balls weigh where they are held, and keeps what holds them. Whether any weighs something else than before.
     fn weigh(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) -> bool {
         let mut weights = std::mem::take(&mut self.weights);
-        let Weights { before, counted, left, loads, .. } = &mut weights;
+        let Weights { before, counted, left, loads, unlike } = &mut weights;
         before.clear();
         before.extend(bodies.iter().map(|body| body.inverse_mass));
         counted.clear();
@@ -129,7 +136,8 @@ impl Near {
         let least = LEFT * setting.kick.length();
         let presses = |at: usize| left[at].length() > least;
         loads.clear();
-        loads.extend(self.pairs().flat_map(|(i, j)| loads_of(bodies, setting, i as u32, j as u32)).flatten());
+        let pairs = self.pairs().filter(|_| *unlike == Unlike::Density);
+        loads.extend(pairs.flat_map(|(i, j)| loads_of(bodies, setting, i as u32, j as u32)).flatten());
         // Mostly from above: what passes weight on has it already then.
         while loads.iter().rev().fold(false, |any, &(upper, lower)| {
             let (upper, lower) = (upper as usize, lower as usize);
