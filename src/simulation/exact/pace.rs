@@ -6,8 +6,9 @@ use super::Exact;
 
 /// So many impacts a second can be followed, at less than half of real time ...
 const FOLLOWED: f64 = (1 << 20) as f64;
-/// ... and so many for each ball that takes part. Substeps would cost more where all balls do.
-const FOLLOWED_PER_BALL: f64 = 2048.0;
+/// ... and so many for each ball that takes part, about as many as substeps take of one: where all balls have so many, each costs
+/// more in these than here.
+const FOLLOWED_PER_BALL: f64 = 16_384.0;
 /// More of them are let pass, so that a crash is followed to its end, up to so many in all ...
 const LET_PASS: f64 = (1 << 18) as f64;
 /// ... or for each ball.
@@ -87,7 +88,14 @@ mod tests {
         crash.pass(1e-6, LET_PASS, 2);
         assert!(!crash.is_outrun(2));
         // Among many balls, of which few take part, as among few.
-        for (balls, busy, outrun) in [(2, 2, true), (10_000, 10, true), (10_000, 10_000, false)] {
+        let all = [
+            (2, 2, true),
+            (500, 500, true),
+            (2000, 2000, false),
+            (10_000, 10, true),
+            (10_000, 10_000, false),
+        ];
+        for (balls, busy, outrun) in all {
             let mut pace = Pace::default();
             for _ in 0..1000 {
                 pace.pass(1e-3, 1e7 * 1e-3, busy);
