@@ -113,9 +113,13 @@ impl Pass<'_> {
         work: &|setting, Stripe { unheld_energies, account, .. }, Share { bodies, rests, .. }| {
             *account = Account::default();
             for ((body, rest), &before) in bodies.iter().zip(*rests).zip(&*unheld_energies) {
+                // What sleeps gains nothing: most of a pile, or none.
+                if body.inverse_mass == 0.0 {
+                    continue;
+                }
                 // With what it weighs, whatever it counts with. No branch: what comes of each is a toss.
                 let own = if setting.unlike == Unlike::Nothing { body.inverse_mass } else { rest.own };
-                let mass = if own > 0.0 { own.recip() } else { 0.0 };
+                let mass = own.recip();
                 let (gained, lost) = gain(setting, body, before);
                 account.gained += gained * mass;
                 account.lost += lost * mass;
