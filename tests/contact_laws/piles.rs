@@ -101,6 +101,23 @@ fn a_pile_of_thousands_settles_with_little_overlap_and_gets_no_more_than_a_thous
     assert_settles(2500, 5e-4, 0.05, 0.5);
 }
 
+/// What few that were awake squeezed between sleepers was shot away when these woke: one in fifty such piles got a hundredth of
+/// its energy back.
+#[test]
+fn a_pile_most_of_which_sleeps_is_not_broken_open_by_what_does_not() {
+    for seed in 1..=80 {
+        let mut simulation = seeded_pile(100, seed);
+        let start = energy(&simulation);
+        let mut least = start;
+        for _ in 0..180 {
+            simulation.advance(FRAME).unwrap();
+            let now = energy(&simulation);
+            assert!(now < least + 2e-3 * start, "{seed}: {now} after {least} at {} s", simulation.time());
+            least = least.min(now);
+        }
+    }
+}
+
 /// A slab of balls, one and a half times as high as wide, that lies at the left of a box four times as wide.
 fn collapsing_slab(count: u32, seed: u64) -> Simulation {
     let side = (f64::from(count) * 65.0).sqrt().round();
