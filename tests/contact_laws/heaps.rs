@@ -21,17 +21,6 @@ fn energy_back(parting: &mut Simulation) -> f64 {
     rise(parting, 90) / start
 }
 
-/// The most by which its energy rises above what it has been within so many frames.
-fn rise(parting: &mut Simulation, frames: u32) -> f64 {
-    let (mut least, mut rise) = (energy(parting), 0.0_f64);
-    for _ in 0..frames {
-        parting.advance(FRAME).unwrap();
-        rise = rise.max(energy(parting) - least);
-        least = least.min(energy(parting));
-    }
-    rise
-}
-
 fn boxed(balls: Vec<Ball>) -> Simulation {
     simulation(world(500.0, 500.0, 0.8).with_gravity(EARTH).unwrap(), balls)
 }

@@ -49,6 +49,17 @@ fn energy(simulation: &Simulation) -> f64 {
     kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
 }
 
+/// The most by which its energy rises above what it has been within so many frames.
+fn rise(simulation: &mut Simulation, frames: u32) -> f64 {
+    let (mut least, mut rise) = (energy(simulation), 0.0_f64);
+    for _ in 0..frames {
+        simulation.advance(FRAME).unwrap();
+        rise = rise.max(energy(simulation) - least);
+        least = least.min(energy(simulation));
+    }
+    rise
+}
+
 fn overlap(simulation: &Simulation) -> f64 {
     let balls = simulation.balls();
     max_overlap(&mut Grid::new(balls, simulation.world().size()), balls)

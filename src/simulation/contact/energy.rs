@@ -19,7 +19,6 @@ use super::layout::Layer;
 use super::sleep::Rest;
 use super::stripes::{Stripe, of_layer};
 use super::sweep::{Pass, Share};
-use super::weights::Unlike;
 use super::{Body, Contact, Setting};
 
 /// How energy is kept in a substep.
@@ -46,7 +45,7 @@ impl Contact {
     pub(super) fn find_keeping(&mut self) {
         let Self { setting, substeps, near: Some(near), course, parting, .. } = self else { return };
         let far = || course.fates.iter().any(|fate| fate.shift == Shift::Far);
-        setting.keeping = if parting.goes_on() || near.weights.differ() {
+        setting.keeping = if parting.goes_on() || near.weights.unlike.differ() {
             Keeping::Strictly
         } else if setting.kick != DVec2::ZERO && !(setting.is_grounded() && substeps.are_at_rest()) || far() {
             Keeping::Loosely
@@ -118,7 +117,7 @@ impl Pass<'_> {
                     continue;
                 }
                 // With what it weighs, whatever it counts with. No branch: what comes of each is a toss.
-                let own = if setting.unlike == Unlike::Nothing { body.inverse_mass } else { rest.own };
+                let own = if setting.unlike.differ() { rest.own } else { body.inverse_mass };
                 let mass = own.recip();
                 let (gained, lost) = gain(setting, body, before);
                 account.gained += gained * mass;

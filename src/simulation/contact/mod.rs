@@ -12,9 +12,9 @@
 //!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`);
 //!    what counts as heavier than it is, and is fast, is slowed down before;
 //! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
-//!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from gaining energy by
-//!    what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they have
-//!    parted (`energy`, `islands`, `parting`), and those that were thrown by what holds them are let go of (`thrown`);
+//!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from gaining energy
+//!    by what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they
+//!    have parted (`energy`, `islands`, `parting`), and those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,

@@ -110,7 +110,7 @@ impl Contact {
         if course.ended {
             return true;
         }
-        if setting.kick != DVec2::ZERO && !near.weights.differ() {
+        if setting.kick != DVec2::ZERO && !near.weights.unlike.differ() {
             return false;
         }
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);

@@ -74,8 +74,7 @@ pub(super) struct Stripe {
     pub(super) deep: Vec<Pair>,
     /// Balls that what held them has thrown.
     pub(super) thrown: Vec<u32>,
-    /// What its bodies, no seam's, would move with without what holds them, or with how much energy; of none where that gives
-    /// none.
+    /// How its bodies, no seam's, would move without what holds them; where something carries balls, with how much energy instead.
     pub(super) unheld: Vec<DVec2>,
     pub(super) unheld_energies: Vec<f64>,
     /// What they gain and lose by that.

@@ -268,7 +268,8 @@ impl Contact {
         if !steps.is_multiple_of(u64::from(PARTS)) {
             return;
         }
-        let rough = substeps.calm < beats || near.weights.differ() || *asleep * MANY_ASLEEP > bodies.len();
+        let rough =
+            substeps.calm < beats || near.weights.unlike.differ() || *asleep * MANY_ASLEEP > bodies.len();
         substeps.calm = substeps.calm.saturating_add(1);
         if rough {
             substeps.next = MOST;

@@ -148,7 +148,7 @@ impl Contact {
     fn sweeps(&self) -> Sweeps {
         let Setting { kick, unlike, softness: Softness { yielding, yielding_of_few, .. }, .. } = self.setting;
         let few = self.bodies.len() <= FEW;
-        let differ = unlike != Unlike::Nothing;
+        let differ = unlike.differ();
         let usual = Sweeps {
             rounds: ROUNDS,
             settled: SETTLED,

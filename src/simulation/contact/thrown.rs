@@ -17,7 +17,6 @@ use super::prepare::let_go;
 use super::stripes::Stripes;
 use super::support::{give, two};
 use super::sweep::Pass;
-use super::weights::Unlike;
 use super::{Body, Contact, Setting};
 
 /// A ball is thrown by what changes its velocity in a substep by more than so many kicks of gravity.
@@ -46,7 +45,7 @@ impl Setting {
     /// By how much what holds a ball may change its velocity in a substep, px/s: else it is thrown.
     #[inline]
     fn most_held(&self, fate: &Fate) -> f64 {
-        if fate.shift == Shift::None || self.unlike != Unlike::Nothing {
+        if fate.shift == Shift::None || self.unlike.differ() {
             self.most_thrown()
         } else {
             DRIVEN * self.kick.length()

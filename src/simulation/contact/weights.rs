@@ -26,7 +26,7 @@ const UNLIKE: f64 = 4.0;
 /// ... unless masses differ by more than this, ...
 const UNLIKE_IN_SIZE: f64 = 8.0;
 /// ... among more than few balls, and no more than so many: of one material, small ones between large ones went on trembling, and
-/// were pressed into each other. Twice as many do not come to rest either way, and take twice as long.
+/// were pressed into each other. More do not come to rest either way, and take twice as long.
 const MOST_UNLIKE_IN_SIZE: usize = 16_384;
 /// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
 const LEFT: f64 = 0.25;
@@ -116,13 +116,6 @@ impl Contact {
     }
 }
 
-impl Weights {
-    /// Whether balls that press are unlike in anything.
-    pub(super) fn differ(&self) -> bool {
-        self.unlike != Unlike::Nothing
-    }
-}
-
 impl Near {
     /// Finds what balls weigh where they are held, and keeps what holds them. Whether any weighs something else than before.
     fn weigh(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) -> bool {
@@ -136,8 +129,10 @@ impl Near {
         let least = LEFT * setting.kick.length();
         let presses = |at: usize| left[at].length() > least;
         loads.clear();
-        let pairs = self.pairs().filter(|_| *unlike == Unlike::Density);
-        loads.extend(pairs.flat_map(|(i, j)| loads_of(bodies, setting, i as u32, j as u32)).flatten());
+        if *unlike == Unlike::Density {
+            let of_pair = |(i, j)| loads_of(bodies, setting, i as u32, j as u32);
+            loads.extend(self.pairs().flat_map(of_pair).flatten());
+        }
         // Mostly from above: what passes weight on has it already then.
         while loads.iter().rev().fold(false, |any, &(upper, lower)| {
             let (upper, lower) = (upper as usize, lower as usize);
@@ -229,6 +224,11 @@ impl Constraint {
 }
 
 impl Unlike {
+    /// Whether they are in anything.
+    pub(super) fn differ(self) -> bool {
+        self != Self::Nothing
+    }
+
     /// What that is among these balls.
     fn among(bodies: &[Body], rests: &[Rest]) -> Self {
         let ratio = |of: &dyn Fn(&Body, &Rest) -> f64| {

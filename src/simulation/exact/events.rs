@@ -8,8 +8,8 @@ use super::calendar::{self, Dawn, Entry};
 use super::flights::{Matter, Target};
 use super::{Exact, Needs};
 
-/// Events that follow each other so fast on average, s, and without end, count as at one time: this over the number of balls, where
-/// they are so many or more, since others have events in the meantime ...
+/// Events that follow each other so fast on average, s, and without end, count as at one time: this over the number of balls,
+/// where they are so many or more, since others have events in the meantime ...
 pub(super) const CREEP: f64 = 1e-6;
 pub(super) const MANY: usize = 100;
 /// ... where balls go no farther between them than this part of their radius on average: the rounding of where they are. In
