@@ -45,6 +45,16 @@ fn a_heavy_ball_sinks_through_light_ones_to_the_floor() {
     }
 }
 
+/// Thousands were held as unlike ones are where any two differed, wherever they were: that never came to rest.
+#[test]
+fn a_light_ball_does_not_keep_thousands_from_rest() {
+    let mut simulation = pile(4500);
+    let size = simulation.world().size();
+    simulation.add(&[ball(0.5 * size.x, 20.0, 5.0).with_mass(1.0).unwrap()]).unwrap();
+    (0..60 * 8).for_each(|_| simulation.advance(FRAME).unwrap());
+    assert!(fastest(&simulation) == 0.0 && overlap(&simulation) < 0.06, "{}", overlap(&simulation));
+}
+
 /// A box of this size with balls of two kinds: how many, their radius and mass, and a seed for their places.
 fn two_kinds([width, height]: [u32; 2], kinds: [(u32, u32, f64, u32); 2]) -> Simulation {
     let fills = kinds.map(|(count, radius, mass, seed)| {

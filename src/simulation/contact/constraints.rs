@@ -68,6 +68,14 @@ impl Marks {
     pub(super) const STILL: Self = Self(16);
     /// Neither can.
     pub(super) const IDLE: Self = Self(32);
+    /// Both are unlike those around them, in size or in density (`unlike`).
+    pub(super) const UNLIKE_IN_SIZE: Self = Self(64);
+    pub(super) const UNLIKE_IN_DENSITY: Self = Self(128);
+
+    /// These, and others.
+    pub(super) const fn with(self, others: Self) -> Self {
+        Self(self.0 | others.0)
+    }
 
     /// Whether any of these is so.
     #[inline]
@@ -94,7 +102,7 @@ impl std::ops::BitOr for Marks {
 
     #[inline]
     fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+        self.with(other)
     }
 }
 

@@ -19,6 +19,7 @@ use super::layout::Layer;
 use super::sleep::Rest;
 use super::stripes::{Stripe, of_layer};
 use super::sweep::{Pass, Share};
+use super::unlike::Unlike;
 use super::{Body, Contact, Setting};
 
 /// How energy is kept in a substep.
@@ -29,7 +30,7 @@ pub(super) enum Keeping {
     /// What a ball gains counts as far as it is more than half a kick of gravity has: a held one has one velocity all through a
     /// substep, what flies that in the middle of it. And slowed as often as it jitters, a flat arch would wind up until it breaks.
     Loosely,
-    /// All of it does, where balls may gain much by little: unlike ones, and those that are pressed out of each other.
+    /// All of it does, as it always does of unlike ones: those that are pressed out of each other may gain much by little, too.
     Strictly,
 }
 
@@ -45,9 +46,10 @@ impl Contact {
     pub(super) fn find_keeping(&mut self) {
         let Self { setting, substeps, near: Some(near), course, parting, .. } = self else { return };
         let far = || course.fates.iter().any(|fate| fate.shift == Shift::Far);
-        setting.keeping = if parting.goes_on() || near.weights.unlike.differ() {
+        let falls = || setting.kick != DVec2::ZERO && !(setting.is_grounded() && substeps.are_at_rest());
+        setting.keeping = if parting.goes_on() {
             Keeping::Strictly
-        } else if setting.kick != DVec2::ZERO && !(setting.is_grounded() && substeps.are_at_rest()) || far() {
+        } else if near.weights.unlike.differs() || falls() || far() {
             Keeping::Loosely
         } else {
             Keeping::Nothing
@@ -68,7 +70,7 @@ impl Contact {
             }
             if gained > lost {
                 let slow = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
-                    stripe.slow_gaining(setting, share.bodies, lost / gained);
+                    stripe.slow_gaining(setting, share, lost / gained);
                 };
                 self.sweep(&[Pass { layers: &[Layer::Own], only_busy: false, work: &slow }]);
             }
@@ -117,9 +119,13 @@ impl Pass<'_> {
                     continue;
                 }
                 // With what it weighs, whatever it counts with. No branch: what comes of each is a toss.
-                let own = if setting.unlike.differ() { rest.own } else { body.inverse_mass };
+                let (own, spare) = if setting.unlike.differs() {
+                    (rest.own, setting.spare(rest.unlike))
+                } else {
+                    (body.inverse_mass, setting.spare(Unlike::Nothing))
+                };
                 let mass = own.recip();
-                let (gained, lost) = gain(setting, body, before);
+                let (gained, lost) = gain(setting.kick, body, spare, before);
                 account.gained += gained * mass;
                 account.lost += lost * mass;
             }
@@ -129,10 +135,10 @@ impl Pass<'_> {
 
 impl Stripe {
     /// Leaves those that have gained energy by what holds them only a part of that.
-    fn slow_gaining(&self, setting: &Setting, bodies: &mut [Body], part: f64) {
-        let Setting { kick, .. } = *setting;
-        for (body, &before) in bodies.iter_mut().zip(&self.unheld_energies) {
-            let (gained, _) = gain(setting, body, before);
+    fn slow_gaining(&self, setting: &Setting, share: &mut Share<'_>, part: f64) {
+        let (Setting { kick, .. }, Share { bodies, rests, .. }) = (*setting, share);
+        for ((body, rest), &before) in bodies.iter_mut().zip(*rests).zip(&self.unheld_energies) {
+            let (gained, _) = gain(kick, body, setting.spare(rest.unlike), before);
             if gained > 0.0 {
                 let kept = energy(body.velocity, kick) - (1.0 - part) * gained;
                 slow(body, body.velocity * (speed_of(kept, body.velocity, kick) - 1.0));
@@ -141,19 +147,22 @@ impl Stripe {
     }
 }
 
-/// Twice the energy, for its mass, that a ball has gained since `before`, as far as it counts, and that it has lost.
+/// Twice the energy, for its mass, that a ball has gained since `before`, beyond what is to `spare`, and that it has lost.
 #[inline]
-fn gain(setting: &Setting, body: &Body, before: f64) -> (f64, f64) {
-    let gain = energy(body.velocity, setting.kick) - before;
-    let spare = setting.keeping.spare(setting.kick);
+fn gain(kick: DVec2, body: &Body, spare: f64, before: f64) -> (f64, f64) {
+    let gain = energy(body.velocity, kick) - before;
     (-lesser(spare - gain, 0.0), -lesser(gain, 0.0))
 }
 
-impl Keeping {
-    /// Twice the energy, for its mass, of which it does not count what a ball gains.
+impl Setting {
+    /// Twice the energy, for its mass, of which what a ball gains does not count.
     #[inline]
-    fn spare(self, kick: DVec2) -> f64 {
-        if self == Self::Loosely { 0.25 * kick.length_squared() } else { 0.0 }
+    fn spare(&self, unlike: Unlike) -> f64 {
+        if self.keeping == Keeping::Loosely && !unlike.differs() {
+            0.25 * self.kick.length_squared()
+        } else {
+            0.0
+        }
     }
 }
 

@@ -62,6 +62,7 @@ mod team;
 mod thrown;
 mod together;
 mod turns;
+mod unlike;
 mod wall_support;
 mod walls;
 mod weights;
@@ -87,7 +88,7 @@ use support::{Tolerance, give, two};
 use sweep::{Pass, Share};
 use team::Team;
 use turns::Course;
-use weights::Unlike;
+use unlike::Unlike;
 
 /// A pair that holds each other bounces only where it meets faster than [`Setting::firm`] and this part of the velocity
 /// that the constraint gives it in a substep, but no more than so many kicks of gravity: under a great load, what is left to be
@@ -123,7 +124,7 @@ struct Setting {
     rest_speed: f64,
     /// How contacts give way.
     softness: Softness,
-    /// In what balls that press are unlike.
+    /// In what any balls are unlike those around them.
     unlike: Unlike,
     /// How what holds balls is kept from giving them energy.
     keeping: Keeping,

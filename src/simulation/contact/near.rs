@@ -25,6 +25,8 @@ pub(super) struct Near {
     pub(super) found: usize,
     /// How many pairs were held apart in the last substep.
     pub(super) touched: usize,
+    /// ... and how many of these were of unlike balls.
+    pub(super) touched_unlike: usize,
     /// Whether the search found a crowd.
     pub(super) crowd: bool,
     /// How many balls were covered anew since the search.

@@ -16,6 +16,7 @@ use super::meeting::COINCIDENT;
 use super::stripes::Stripe;
 use super::support::{give, solve, two};
 use super::sweep::Share;
+use super::unlike::Unlike;
 use super::{Body, Setting};
 
 /// Pairs farther apart than this part of their radii, and not closing in, are left out of a substep.
@@ -25,18 +26,23 @@ const LOOSENED: f64 = 0.05;
 /// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
 const STEADY: f64 = 0.03;
 
+/// What of a pair tells whether, and as what, it is held apart.
+const TOUCHING: Marks =
+    Marks::LIVE.with(Marks::IDLE).with(Marks::UNLIKE_IN_SIZE).with(Marks::UNLIKE_IN_DENSITY);
+
 impl Stripe {
     /// Looks at all pairs anew, and holds those apart that are close.
     pub(super) fn prepare_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
         if !self.close_for.stands(&self.marks, Marks::CLOSE | Marks::LIVE | Marks::IDLE, 0) {
             self.gather_close();
+            self.dealt.clear();
             deal(&self.close, &mut self.dealt);
         }
         self.see_all(setting, share.bodies);
         self.hold_all(setting, share);
-        if !self.carrying_for.stands(&self.marks, Marks::LIVE | Marks::IDLE, self.constraints.len()) {
+        if !self.carrying_for.stands(&self.marks, TOUCHING, self.constraints.len()) {
             self.gather_carrying();
-            deal(&self.carrying, &mut self.touching);
+            self.deal_touching();
         }
     }
 
@@ -71,6 +77,27 @@ impl Stripe {
         }
         carrying.truncate(count);
         uppers.truncate(balls + 1);
+    }
+
+    /// Deals them out, kind by kind of how unlike their balls are.
+    fn deal_touching(&mut self) {
+        let Self { places_of_constraints, marks, carrying, touching, ends, .. } = self;
+        touching.clear();
+        let unlike = Marks::UNLIKE_IN_SIZE | Marks::UNLIKE_IN_DENSITY;
+        if !marks.iter().any(|marks| marks.has(unlike)) {
+            deal(carrying, touching);
+            *ends = [touching.len(); Unlike::KINDS];
+            return;
+        }
+        for (kind, end) in Unlike::ALL.into_iter().zip(ends) {
+            let pairs = marks.iter().zip(&*places_of_constraints);
+            let of_kind =
+                |marks: &Marks| marks.unlike() == kind && marks.has(Marks::LIVE) && !marks.has(Marks::IDLE);
+            let places: Vec<u32> =
+                pairs.filter(|(marks, _)| of_kind(marks)).map(|(_, &place)| place).collect();
+            deal(&places, touching);
+            *end = touching.len();
+        }
     }
 
     /// Sees how all dealt pairs lie, unless what is done with one moves others.
@@ -113,7 +140,8 @@ impl Stripe {
                 && (calm || shift_of(share.fates, constraint.pair) == Shift::None)
             {
                 let (first, second) = two(share.bodies, constraint.pair);
-                follow(setting, constraint, first, second, (way, distance));
+                let left = setting.softness.yielding(marks.unlike());
+                follow(setting, constraint, first, second, (way, distance), left);
                 marks.set(Marks::LIVE, true);
                 marks.set(Marks::HELD, constraint.impulse > 0.0);
             } else {
@@ -139,7 +167,9 @@ impl Stripe {
         let carried = constraint.impulse;
         let on_fixed = [pair.first, pair.second].iter().any(|&body| rests[body as usize].own == 0.0);
         let slow = setting.slow_turn(first.radius + second.radius, on_fixed);
-        let near = prepare(setting, &mut constraint, (first, second), (shift_of(fates, pair), met), slow);
+        let left = setting.softness.yielding(marks.unlike());
+        let near =
+            prepare(setting, &mut constraint, (first, second), (shift_of(fates, pair), met), (slow, left));
         if known.is_some() {
             constraints[*place as usize] = constraint;
         } else if near {
@@ -163,11 +193,10 @@ impl Stripe {
 /// Pairs are looked at in hands of so many, in this order: each five places after the one before, around the hand.
 const HAND: [usize; 16] = [0, 5, 10, 15, 4, 9, 14, 3, 8, 13, 2, 7, 12, 1, 6, 11];
 
-/// Deals a list of pairs out: in an order in which those that follow each other seldom have a ball in common, as those of
+/// Deals a list of pairs out, behind those that are dealt: in an order in which those that follow each other seldom have a ball in common, as those of
 /// an upper ball do. A processor works on a few of them at a time then, where else each waits for the last.
 fn deal(pairs: &[u32], dealt: &mut Vec<u32>) {
     let (hands, others) = pairs.as_chunks();
-    dealt.clear();
     dealt.extend(hands.iter().flat_map(|hand: &[u32; HAND.len()]| HAND.map(|place| hand[place])));
     dealt.extend_from_slice(others);
 }
@@ -209,6 +238,7 @@ fn follow(
     first: &mut Body,
     second: &mut Body,
     (offset, distance): (DVec2, f64),
+    left: f64,
 ) {
     let reach = first.radius + second.radius;
     // Without a branch: which pairs overlap cannot be foreseen by a processor.
@@ -216,7 +246,7 @@ fn follow(
     let mut turned = *constraint;
     turned.least = setting.least_parting(lesser(setting.softness.mended * out, out), reach);
     give(turned.turn(offset / distance, setting.slow_turn(reach, false)), first, second);
-    solve(&mut turned, first, second, setting.softness.yielding);
+    solve(&mut turned, first, second, left);
     *constraint = turned;
 }
 
@@ -267,11 +297,11 @@ fn prepare(
     constraint: &mut Constraint,
     (first, second): (&mut Body, &mut Body),
     (shift, met): (Shift, bool),
-    slow: SlowTurn,
+    (slow, left): (SlowTurn, f64),
 ) -> bool {
     if shift == Shift::Far {
         let_go(constraint, first, second);
-        return hold_at_end(setting, constraint, (first, second), slow);
+        return hold_at_end(setting, constraint, (first, second), (slow, left));
     }
     let offset = first.position - second.position;
     let squared = offset.length_squared();
@@ -318,7 +348,7 @@ fn prepare(
         }
     };
     constraint.least = setting.least_parting(way, reach);
-    solve(constraint, first, second, setting.softness.yielding);
+    solve(constraint, first, second, left);
     true
 }
 
@@ -328,7 +358,7 @@ fn hold_at_end(
     setting: &Setting,
     constraint: &mut Constraint,
     (first, second): (&mut Body, &mut Body),
-    slow: SlowTurn,
+    (slow, left): (SlowTurn, f64),
 ) -> bool {
     let end = first.end(setting.substep) - second.end(setting.substep);
     let (distance, reach) = (end.length(), first.radius + second.radius);
@@ -339,7 +369,7 @@ fn hold_at_end(
     give(constraint.turn(normal, slow), first, second);
     let stands = (first.position - second.position).dot(normal);
     constraint.least = setting.least_parting(reach - stands, reach);
-    solve(constraint, first, second, setting.softness.yielding);
+    solve(constraint, first, second, left);
     true
 }
 
@@ -386,6 +416,7 @@ mod tests {
     fn every_pair_is_dealt_once_and_in_a_hand_none_after_its_neighbour() {
         let mut dealt = Vec::new();
         for count in 0..100 {
+            dealt.clear();
             deal(&(0..count).collect::<Vec<_>>(), &mut dealt);
             assert!(
                 (0..count).all(|place| dealt.contains(&place)) && dealt.len() == count as usize,

@@ -104,22 +104,21 @@ impl Contact {
 
     /// Whether any body may go where nothing was looked for in its way.
     pub(super) fn any_unfollowed(&self) -> bool {
-        let Self { setting, bodies, restitutions, course, near: Some(near), pairs: true, .. } = self else {
+        let Self { setting, bodies, restitutions, rests, course, near: Some(near), pairs: true, .. } = self
+        else {
             return false;
         };
         if course.ended {
             return true;
         }
-        if setting.kick != DVec2::ZERO && !near.weights.unlike.differ() {
+        if setting.kick != DVec2::ZERO && !near.weights.unlike.differs() {
             return false;
         }
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
-        let mut spent = bodies
-            .iter()
-            .zip(course.fates.iter().zip(restitutions))
-            .filter(|(_, (fate, own))| limits.may_be_spent(fate, **own));
+        let hit = course.fates.iter().zip(restitutions).enumerate();
+        let mut spent = hit.filter(|(_, (fate, own))| limits.may_be_spent(fate, **own)).map(|(at, _)| at);
         if setting.kick != DVec2::ZERO {
-            return spent.any(|(body, _)| setting.rams(body));
+            return spent.any(|at| rests[at].unlike.differs() && setting.rams(&bodies[at]));
         }
         spent.next().is_some()
             || near.holding().any(|(first, second, constraint)| {

@@ -13,6 +13,7 @@ use super::prepare::let_go;
 use super::stripes::Stripes;
 use super::substeps::Substeps;
 use super::thrown::THROWN;
+use super::unlike::Unlike;
 use super::{Body, Contact};
 
 /// Seconds that a ball must have rested for.
@@ -49,6 +50,8 @@ pub(super) struct Rest {
     pub(super) own: f64,
     /// The inverse mass with which it counts where it is held, or did when it fell asleep (`weights`).
     pub(super) counted: f64,
+    /// In what it is unlike those around it.
+    pub(super) unlike: Unlike,
     /// Where it was when its rest was last looked at.
     anchor: DVec2,
     /// Whether it was elsewhere in the meantime.
@@ -68,6 +71,7 @@ impl Rest {
             asleep: false,
             own,
             counted: own,
+            unlike: Unlike::Nothing,
             anchor: place,
             swung: false,
             last: None,

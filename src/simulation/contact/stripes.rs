@@ -14,6 +14,7 @@ use super::order::{Heights, Kept, Known, Links};
 use super::prepare::Followed;
 use super::rewind::Taken;
 use super::substeps::CARRIED;
+use super::unlike::Unlike;
 use super::{Body, DVec2, PRESSED, Setting};
 
 /// The place of a ball that is not beside a wall, and of the constraint of a pair that has none.
@@ -45,6 +46,8 @@ pub(super) struct Stripe {
     pub(super) close_for: Followed,
     /// The places of the constraints of those that are, dealt.
     pub(super) touching: Vec<u32>,
+    /// Where among these the ones of like balls end, of those unlike in size, and of those in density.
+    pub(super) ends: [usize; Unlike::KINDS],
     /// The same, those of each upper ball side by side, and where these end, after a 0.
     pub(super) carrying: Vec<u32>,
     pub(super) uppers: Vec<u32>,
@@ -105,6 +108,7 @@ impl Stripe {
         for list in [close, dealt, touching, carrying, uppers] {
             list.clear();
         }
+        self.ends = [0; Unlike::KINDS];
         close_for.forget();
         carrying_for.forget();
         pairs.clear();

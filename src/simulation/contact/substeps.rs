@@ -17,7 +17,7 @@ use super::find::FEW;
 use super::layout::Layer;
 use super::stripes::of_layer;
 use super::sweep::Pass;
-use super::weights::Unlike;
+use super::unlike::Unlike;
 use super::{Contact, Setting};
 
 /// Beats in a second, at least.
@@ -85,27 +85,34 @@ const STIFFER_OF_SIZES: f64 = 0.3;
 pub(super) struct Softness {
     /// The part of an overlap that is taken away.
     pub(super) mended: f64,
-    /// What is left of an impulse that gives way.
-    pub(super) yielding: f64,
+    /// What is left of an impulse that gives way, by how unlike its balls are.
+    yielding: [f64; Unlike::KINDS],
     /// The same where few of many are awake: what sleepers squeeze would overlap them too deeply to sleep, too.
-    pub(super) yielding_of_few: f64,
+    yielding_of_few: [f64; Unlike::KINDS],
 }
 
 impl Softness {
-    /// That which suits so many substeps in a beat, of such balls.
-    fn of(count: u32, unlike: Unlike) -> Self {
+    /// That which suits so many substeps in a beat.
+    fn of(count: u32) -> Self {
         let (mended, soft) = match count {
             ..=FEWEST => (0.8, 0.004),
             3 => (0.6, 0.006),
             MOST.. => (0.3, 0.006),
         };
-        let soft = soft
-            * match unlike {
-                Unlike::Nothing => 1.0,
-                Unlike::Size => STIFFER_OF_SIZES,
-                Unlike::Density => STIFFER,
-            };
-        Self { mended, yielding: 1.0 / (1.0 + soft), yielding_of_few: 1.0 / (1.0 + 0.25 * soft) }
+        let yielding =
+            |soft: f64| [1.0, STIFFER_OF_SIZES, STIFFER].map(|stiffer| 1.0 / (1.0 + stiffer * soft));
+        Self { mended, yielding: yielding(soft), yielding_of_few: yielding(0.25 * soft) }
+    }
+
+    /// What is left, between such balls, of an impulse that gives way.
+    #[inline]
+    pub(super) fn yielding(&self, unlike: Unlike) -> f64 {
+        self.yielding[unlike as usize]
+    }
+
+    /// The same where few of many are awake.
+    pub(super) fn yielding_of_few(&self, unlike: Unlike) -> f64 {
+        self.yielding_of_few[unlike as usize]
     }
 }
 
@@ -136,9 +143,9 @@ impl Substeps {
         }
     }
 
-    /// How contacts give way in it, of such balls.
-    pub(super) fn softness(&self, unlike: Unlike) -> Softness {
-        Softness::of(self.count, unlike)
+    /// How contacts give way in it.
+    pub(super) fn softness(&self) -> Softness {
+        Softness::of(self.count)
     }
 
     /// Whether they are the shortest.
@@ -204,7 +211,7 @@ impl Setting {
             mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
             // Without gravity there is no chatter to be left out.
             rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
-            softness: Softness::of(MOST, Unlike::Nothing),
+            softness: Softness::of(MOST),
             unlike: Unlike::Nothing,
             keeping: Keeping::Nothing,
             to_the_end: None,
@@ -268,8 +275,7 @@ impl Contact {
         if !steps.is_multiple_of(u64::from(PARTS)) {
             return;
         }
-        let rough =
-            substeps.calm < beats || near.weights.unlike.differ() || *asleep * MANY_ASLEEP > bodies.len();
+        let rough = substeps.calm < beats || near.touched_unlike > 0 || *asleep * MANY_ASLEEP > bodies.len();
         substeps.calm = substeps.calm.saturating_add(1);
         if rough {
             substeps.next = MOST;
@@ -414,27 +420,18 @@ mod tests {
     }
 
     #[test]
-    fn substeps_are_short_among_unlike_balls_and_where_some_sleep() {
+    fn substeps_are_short_where_unlike_balls_press_and_where_some_sleep() {
         let mut pile = stacks(true);
         for _ in 0..15 {
             beat(&mut pile, None);
         }
         let mut next = |unlike, asleep| {
-            pile.near.as_mut().unwrap().weights.unlike = unlike;
+            pile.near.as_mut().unwrap().touched_unlike = unlike;
             pile.asleep = asleep;
             pile.look_for_calm();
             pile.substeps.next
         };
-        assert_eq!(
-            [
-                next(Unlike::Nothing, 0),
-                next(Unlike::Size, 0),
-                next(Unlike::Density, 0),
-                next(Unlike::Nothing, 7),
-                next(Unlike::Nothing, 8)
-            ],
-            [2, 4, 4, 2, 4]
-        );
+        assert_eq!([next(0, 0), next(1, 0), next(0, 7), next(0, 8)], [2, 4, 2, 4]);
     }
 
     #[test]

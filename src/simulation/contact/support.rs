@@ -8,6 +8,8 @@
 //! taken away after the move. Where many were hit, they are held apart once more after they were stopped on what carries
 //! them (`carry`).
 
+use std::ops::Range;
+
 use glam::DVec2;
 
 use super::super::lesser::lesser;
@@ -17,10 +19,9 @@ use super::find::FEW;
 use super::layout::Layer;
 use super::near::Near;
 use super::stripes::Stripe;
-use super::substeps::Softness;
 use super::sweep::{Pass, Share};
+use super::unlike::Unlike;
 use super::wall_support::{hold_on_walls, lay_on_walls, relax_on_walls};
-use super::weights::Unlike;
 use super::{Body, Contact, Setting};
 
 /// The part of slow sliding of balls that press on each other that is taken away in a substep.
@@ -79,16 +80,21 @@ impl Tolerance {
     }
 }
 
-/// How what presses is held.
+/// How pairs of a kind are held.
+#[derive(Debug, Clone, Copy)]
 struct Sweeps {
     /// How many sweeps there and back there are at most.
     rounds: u32,
-    /// What a sweep may change where they have settled: sums of both radii in a substep ...
-    settled: f64,
-    /// ... and px/s.
-    fast: f64,
+    /// What a sweep may change where they have settled.
+    enough: Tolerance,
     /// What is left of an impulse that gives way.
     left: f64,
+}
+
+/// How what presses is held.
+struct Holding {
+    /// By how unlike its balls are.
+    sweeps: [Sweeps; Unlike::KINDS],
     /// Whether they are followed to their end: all that they would change yet counts.
     to_the_end: bool,
 }
@@ -96,90 +102,128 @@ struct Sweeps {
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
-        let unlike = self.near.as_ref().map_or(Unlike::Nothing, |near| near.weights.unlike);
-        (self.setting.softness, self.setting.unlike) = (self.substeps.softness(unlike), unlike);
+        self.setting.softness = self.substeps.softness();
+        self.setting.unlike = self.near.as_ref().map_or(Unlike::Nothing, |near| near.weights.unlike);
         // Large piles tremble: without a grip, ten thousand balls take five times as long to come to rest.
         self.setting.gripping = if self.bodies.len() <= FEW { self.setting.firm } else { f64::INFINITY };
-        let Sweeps { rounds, settled, fast, left, to_the_end } = self.sweeps();
-        let enough = Tolerance { part: settled / self.setting.substep, speed: fast };
-        self.setting.to_the_end = to_the_end.then_some(enough);
-        let inward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
-            // Stripes that have settled are left as they are.
-            if !std::mem::take(&mut stripe.unsettled) {
-                return;
-            }
-            if to_the_end {
-                let pressed = stripe.measure_inward(share.bodies, left, enough);
-                let change = pressed.max(hold_on_walls(setting, share.bodies, &mut stripe.beside, enough));
-                let before = std::mem::replace(&mut stripe.changed, change);
-                stripe.unsettled = goes_on(change, before);
-            } else {
-                // No more than that is asked for, and a quotient for each pair would cost.
-                let mut pressed = false;
-                stripe.solve_inward(share.bodies, left, |speed, reach| pressed |= speed > enough.of(reach));
-                let held = hold_on_walls(setting, share.bodies, &mut stripe.beside, enough) > 1.0;
-                stripe.unsettled = pressed || held;
-            }
-        };
-        let outward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
-            if !stripe.unsettled {
-                return;
-            }
-            hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
-            stripe.solve_outward(share.bodies, left);
-        };
-        let (inward, outward) =
-            (Pass::over_near(Layer::INWARD, &inward), Pass::over_near(Layer::OUTWARD, &outward));
+        let holding = self.holding();
+        let Holding { sweeps, to_the_end } = holding;
+        self.setting.to_the_end = to_the_end.then_some(sweeps[0].enough);
         let note = if self.setting.keeping == Keeping::Nothing { Pass::NOTHING } else { Pass::NOTE_UNHELD };
-        self.sweep(&[note, Pass::over_near(Layer::OUTWARD, &warm_start), inward]);
         let unsettled = |near: &Near| near.stripes.iter().any(|stripe| stripe.unsettled);
-        for _ in 1..rounds {
-            if !self.near.as_ref().is_some_and(unsettled) {
+        let rounds = sweeps.iter().map(|of| of.rounds).max().unwrap_or_default();
+        for round in 0..rounds {
+            let inward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
+                stripe.hold_inward(setting, share.bodies, &holding, round);
+            };
+            let outward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
+                stripe.hold_outward(setting, share.bodies, &holding, round);
+            };
+            let inward = Pass::over_near(Layer::INWARD, &inward);
+            if round == 0 {
+                self.sweep(&[note, Pass::over_near(Layer::OUTWARD, &warm_start), inward]);
+            } else if self.near.as_ref().is_some_and(unsettled) {
+                self.sweep(&[Pass::over_near(Layer::OUTWARD, &outward), inward]);
+            } else {
                 break;
             }
-            self.sweep(&[outward, inward]);
         }
         if let Some(near) = &mut self.near {
             near.touched = near.stripes.iter().map(|stripe| stripe.touching.len()).sum();
+            let like: usize = near.stripes.iter().map(|stripe| stripe.ends[0]).sum();
+            near.touched_unlike = near.touched - like;
         }
     }
 
-    /// The sweeps that suit what presses.
-    fn sweeps(&self) -> Sweeps {
-        let Setting { kick, unlike, softness: Softness { yielding, yielding_of_few, .. }, .. } = self.setting;
+    /// What suits what presses.
+    fn holding(&self) -> Holding {
+        let Setting { kick, substep, softness, unlike, .. } = self.setting;
         let few = self.bodies.len() <= FEW;
-        let differ = unlike.differ();
-        let usual = Sweeps {
+        let enough = |settled: f64, fast: f64| Tolerance { part: settled / substep, speed: fast };
+        let usual = |kind| Sweeps {
             rounds: ROUNDS,
-            settled: SETTLED,
-            fast: f64::INFINITY,
-            left: yielding,
-            to_the_end: false,
+            enough: enough(SETTLED, f64::INFINITY),
+            left: softness.yielding(kind),
         };
-        match self.near.as_ref() {
+        let firm = enough(SETTLED_OF_MIXED, f64::INFINITY);
+        let one = |kind| Sweeps { rounds: 1, ..usual(kind) };
+        let sweeps = match self.near.as_ref() {
             // Nothing presses: overlaps are only moved out of.
-            _ if kick == DVec2::ZERO => Sweeps { rounds: 1, ..usual },
+            _ if kick == DVec2::ZERO => Unlike::ALL.map(one),
             // It does not settle before there is room again.
-            Some(near) if near.crowd => Sweeps { rounds: 1, ..usual },
-            _ if few && !differ => {
-                let (rounds, settled) = (ROUNDS_OF_FEW, SETTLED_OF_FEW);
-                Sweeps { rounds, settled, fast: FAST_OF_FEW * kick.length(), to_the_end: true, ..usual }
+            Some(near) if near.crowd => Unlike::ALL.map(one),
+            _ if few && !unlike.differs() => {
+                let enough = enough(SETTLED_OF_FEW, FAST_OF_FEW * kick.length());
+                let sweeps = Unlike::ALL.map(|kind| Sweeps { rounds: ROUNDS_OF_FEW, enough, ..usual(kind) });
+                return Holding { sweeps, to_the_end: true };
             }
             // As many as few balls may have: the others fly, or sleep.
-            Some(near) if few || near.touched <= 3 * FEW => {
-                let left = if few { yielding } else { yielding_of_few };
-                let rounds = if differ { ROUNDS_OF_FEW } else { ROUNDS_AMONG_SLEEPERS };
-                Sweeps { rounds, settled: SETTLED_OF_MIXED, left, ..usual }
-            }
-            Some(near) if differ => {
-                let affordable = (PAIRS_OF_MIXED / near.touched.max(1)) as u32;
-                let rounds = affordable.clamp(ROUNDS, ROUNDS_OF_MIXED);
-                Sweeps { rounds, settled: SETTLED_OF_MIXED, ..usual }
-            }
-            _ if self.bodies.len() <= SOME => {
-                Sweeps { rounds: ROUNDS_OF_SOME, fast: FAST * kick.length(), ..usual }
-            }
-            _ => usual,
+            Some(near) if few || near.touched <= 3 * FEW => Unlike::ALL.map(|kind| {
+                let left = if few { softness.yielding(kind) } else { softness.yielding_of_few(kind) };
+                let rounds = if kind.differs() { ROUNDS_OF_FEW } else { ROUNDS_AMONG_SLEEPERS };
+                Sweeps { rounds, enough: firm, left }
+            }),
+            near => Unlike::ALL.map(|kind| {
+                if kind.differs() {
+                    let touched = near.map_or(0, |near| near.touched_unlike);
+                    let affordable = (PAIRS_OF_MIXED / touched.max(1)) as u32;
+                    let rounds = affordable.clamp(ROUNDS, ROUNDS_OF_MIXED);
+                    Sweeps { rounds, enough: firm, ..usual(kind) }
+                } else if self.bodies.len() <= SOME {
+                    let enough = enough(SETTLED, FAST * kick.length());
+                    Sweeps { rounds: ROUNDS_OF_SOME, enough, ..usual(kind) }
+                } else {
+                    usual(kind)
+                }
+            }),
+        };
+        Holding { sweeps, to_the_end: false }
+    }
+}
+
+impl Holding {
+    /// How each kind is held that still is in this round, and the stripe has any of: like balls always are in the first ones.
+    fn of(&self, stripe: &Stripe, round: u32) -> impl DoubleEndedIterator<Item = (Unlike, Sweeps)> + use<> {
+        let kinds = Unlike::ALL.into_iter().zip(self.sweeps);
+        let counts = Unlike::ALL.map(|kind| stripe.touching_of(kind).len());
+        kinds.filter(move |&(kind, of)| round < of.rounds && (counts[kind as usize] > 0 || !kind.differs()))
+    }
+}
+
+impl Stripe {
+    /// One sweep with gravity, unless it has settled.
+    fn hold_inward(&mut self, setting: &Setting, bodies: &mut [Body], holding: &Holding, round: u32) {
+        // Stripes that have settled are left as they are.
+        if !std::mem::take(&mut self.unsettled) {
+            return;
+        }
+        if holding.to_the_end {
+            // All are alike then.
+            let Sweeps { enough, left, .. } = holding.sweeps[0];
+            let pressed = self.measure_inward(bodies, left, enough);
+            let change = pressed.max(hold_on_walls(setting, bodies, &mut self.beside, enough));
+            let before = std::mem::replace(&mut self.changed, change);
+            self.unsettled = goes_on(change, before);
+            return;
+        }
+        // No more than that is asked for, and a quotient for each pair would cost.
+        let (mut pressed, mut least) = (false, None);
+        for (kind, Sweeps { enough, left, .. }) in holding.of(self, round).rev() {
+            self.solve_inward(bodies, kind, left, |speed, reach| pressed |= speed > enough.of(reach));
+            least = least.or(Some(enough));
+        }
+        let Some(least) = least else { return };
+        self.unsettled = hold_on_walls(setting, bodies, &mut self.beside, least) > 1.0 || pressed;
+    }
+
+    /// One sweep back.
+    fn hold_outward(&mut self, setting: &Setting, bodies: &mut [Body], holding: &Holding, round: u32) {
+        if !self.unsettled {
+            return;
+        }
+        hold_on_walls(setting, bodies, &mut self.beside, Tolerance::NONE);
+        for (kind, Sweeps { left, .. }) in holding.of(self, round) {
+            self.solve_outward(bodies, kind, left);
         }
     }
 }
@@ -211,7 +255,9 @@ impl Pass<'_> {
         only_busy: true,
         work: &|setting, stripe, share| {
             if stripe.is_shaken(share.bodies.len()) {
-                stripe.solve_outward(share.bodies, setting.softness.yielding);
+                for kind in Unlike::ALL {
+                    stripe.solve_outward(share.bodies, kind, setting.softness.yielding(kind));
+                }
                 hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
             }
         },
@@ -280,28 +326,39 @@ impl Stripe {
         }
     }
 
-    /// Holds all pairs apart that touch, one after the other with gravity, and tells by how much that changes the speed at which
-    /// each parts, px/s, and the sum of its radii.
+    /// The pairs of a kind that touch, among those that do.
     #[inline]
-    fn solve_inward(&mut self, bodies: &mut [Body], left: f64, mut tell: impl FnMut(f64, f64)) {
+    fn touching_of(&self, kind: Unlike) -> Range<usize> {
+        let kind = kind as usize;
+        (if kind == 0 { 0 } else { self.ends[kind - 1] })..self.ends[kind]
+    }
+
+    /// Holds all pairs of a kind apart that touch, one after the other with gravity, and tells by how much that changes the speed
+    /// at which each parts, px/s, and the sum of its radii.
+    #[inline]
+    fn solve_inward(&mut self, bodies: &mut [Body], kind: Unlike, left: f64, mut tell: impl FnMut(f64, f64)) {
+        let range = self.touching_of(kind);
         let Self { constraints, touching, .. } = self;
-        each(constraints, touching.iter().rev(), bodies, |constraint, first, second| {
+        each(constraints, touching[range].iter().rev(), bodies, |constraint, first, second| {
             let change = solve(constraint, first, second, left).abs();
             tell(change * (first.inverse_mass + second.inverse_mass), first.radius + second.radius);
         });
     }
 
-    /// The same. The most that changes, in times what is enough.
+    /// The same of like balls. The most that changes, in times what is enough.
     fn measure_inward(&mut self, bodies: &mut [Body], left: f64, enough: Tolerance) -> f64 {
         let mut most = 0.0_f64;
-        self.solve_inward(bodies, left, |speed, reach| most = most.max(speed / enough.of(reach)));
+        self.solve_inward(bodies, Unlike::Nothing, left, |speed, reach| {
+            most = most.max(speed / enough.of(reach));
+        });
         most
     }
 
-    /// The same against gravity.
-    fn solve_outward(&mut self, bodies: &mut [Body], left: f64) {
+    /// Holds all pairs of a kind apart that touch, one after the other against gravity.
+    fn solve_outward(&mut self, bodies: &mut [Body], kind: Unlike, left: f64) {
+        let range = self.touching_of(kind);
         let Self { constraints, touching, .. } = self;
-        each(constraints, touching.iter(), bodies, |constraint, first, second| {
+        each(constraints, touching[range].iter(), bodies, |constraint, first, second| {
             solve(constraint, first, second, left);
         });
     }

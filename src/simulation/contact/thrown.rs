@@ -17,6 +17,7 @@ use super::prepare::let_go;
 use super::stripes::Stripes;
 use super::support::{give, two};
 use super::sweep::Pass;
+use super::unlike::Unlike;
 use super::{Body, Contact, Setting};
 
 /// A ball is thrown by what changes its velocity in a substep by more than so many kicks of gravity.
@@ -34,8 +35,9 @@ impl Pass<'_> {
             if setting.kick == DVec2::ZERO {
                 return;
             }
-            let bodies = (0..).zip(share.bodies.iter().zip(share.fates.iter()));
-            let thrown = bodies.filter(|&(_, (body, fate))| is_thrown(body, setting.most_held(fate)));
+            let bodies = (0..).zip(share.bodies.iter().zip(share.fates));
+            let most = |at: u32, fate| setting.most_held(fate, || share.rests[at as usize].unlike);
+            let thrown = bodies.filter(|&(at, (body, fate))| is_thrown(body, most(at, fate)));
             stripe.thrown.extend(thrown.map(|(at, _)| at));
         },
     };
@@ -44,8 +46,8 @@ impl Pass<'_> {
 impl Setting {
     /// By how much what holds a ball may change its velocity in a substep, px/s: else it is thrown.
     #[inline]
-    fn most_held(&self, fate: &Fate) -> f64 {
-        if fate.shift == Shift::None || self.unlike.differ() {
+    fn most_held(&self, fate: &Fate, unlike: impl FnOnce() -> Unlike) -> f64 {
+        if fate.shift == Shift::None || unlike().differs() {
             self.most_thrown()
         } else {
             DRIVEN * self.kick.length()
@@ -67,7 +69,7 @@ fn is_thrown(body: &Body, most: f64) -> bool {
 impl Contact {
     /// Forgets what held the balls that it has thrown, and takes away what speed that gave them beyond this.
     pub(super) fn let_go_of_thrown(&mut self) {
-        let Self { setting, bodies, near: Some(near), course, .. } = self else { return };
+        let Self { setting, bodies, rests, near: Some(near), course, .. } = self else { return };
         let layout = near.layout;
         if near.stripes.iter().all(|stripe| stripe.thrown.is_empty()) {
             return;
@@ -77,7 +79,7 @@ impl Contact {
             let start = layout.start(number);
             thrown.extend(near.stripes[number].thrown.drain(..).map(|body| start + body as usize));
         }
-        let most = |at: usize| setting.most_held(&course.fates[at]);
+        let most = |at: usize| setting.most_held(&course.fates[at], || rests[at].unlike);
         let is_carried = setting.is_grounded();
         near.let_go_of_all(thrown, bodies, let_go, most, |body, most| {
             // What falls with others keeps what it gave them, and with these its energy (`energy`).

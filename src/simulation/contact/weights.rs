@@ -6,28 +6,20 @@
 //! push it aside. And not of one that walls or others as heavy carry: what counts as heavier beside that one only, and not far
 //! from it, would sink there with more energy than it takes to be lifted elsewhere, round and round.
 //!
-//! Balls of one material weigh what they do: none is less than half as dense as another. But where some are many times as heavy,
-//! small ones among large ones are held as light ones among heavy ones are: more firmly, in more sweeps, with no energy gained.
+//! Balls of one material weigh what they do: none is less than half as dense as another.
 //!
 //! Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights would do, which
 //! takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
 use super::constraints::Constraint;
-use super::find::FEW;
 use super::near::Near;
 use super::sleep::Rest;
+use super::unlike::Unlike;
 use super::{Body, Contact, DVec2, Setting};
 
 /// No ball counts as less than half as dense as one above or beside it counts, or as heavy where that is less. With a quarter,
 /// light balls are pressed into each other in corners in one pile out of four, and stay there.
 const HEAVIER: f64 = 2.0;
-/// Where no two masses differ by more, or where none are as unlike in density, sweeps find what each passes on ...
-const UNLIKE: f64 = 4.0;
-/// ... unless masses differ by more than this, ...
-const UNLIKE_IN_SIZE: f64 = 8.0;
-/// ... among more than few balls, and no more than so many: of one material, small ones between large ones went on trembling, and
-/// were pressed into each other. More do not come to rest either way, and take twice as long.
-const MOST_UNLIKE_IN_SIZE: usize = 16_384;
 /// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
 const LEFT: f64 = 0.25;
 /// Balls are weighed anew after so many of the shortest substeps, and where pairs were searched.
@@ -36,23 +28,15 @@ const PERIOD: u64 = 8;
 /// stands still leaves it there. Balls side by side pass weight on to each other.
 const LEVEL: f64 = 2.0 / 3.0;
 
-/// In what balls that press are unlike.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Unlike {
-    /// In nothing, or hardly.
-    #[default]
-    Nothing,
-    /// In mass, by their sizes alone.
-    Size,
-    /// In mass, and in mass for their size: some may count as heavier than they are.
-    Density,
-}
-
 /// Which balls weigh what.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Weights {
-    /// In what they are unlike: nothing where there is no gravity.
+    /// In what any two are unlike, wherever they are; nothing where there is no gravity.
+    possible: Unlike,
+    /// In what any ball is unlike those around it.
     pub(super) unlike: Unlike,
+    /// Whether any counts as heavier than it is.
+    heavier: bool,
     /// What they counted with before, and what they count with.
     before: Vec<f64>,
     counted: Vec<f64>,
@@ -67,17 +51,25 @@ impl Contact {
     /// something else than before.
     pub(super) fn weigh_balls(&mut self, searched: bool) -> bool {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return false };
-        let before = near.weights.unlike;
+        let before = near.weights.possible;
         if searched {
             // Without gravity nothing presses, and without anything to lie on, nothing does for long.
             let presses = setting.is_grounded() && setting.kick != DVec2::ZERO;
-            near.weights.unlike = if presses { Unlike::among(bodies, rests) } else { Unlike::Nothing };
-        } else if !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
-            return false;
+            near.weights.possible = if presses { Unlike::among(bodies, rests) } else { Unlike::Nothing };
         }
+        let possible = near.weights.possible;
+        let weighs = searched || self.steps.is_multiple_of(PERIOD * self.substeps.shortest());
         // Where they are no more, all weigh what they do again.
-        (before == Unlike::Density || near.weights.unlike == Unlike::Density)
-            && near.weigh(bodies, rests, setting)
+        let differ = weighs
+            && (before == Unlike::Density || possible == Unlike::Density)
+            && near.weigh(bodies, rests, setting);
+        if weighs && possible.differs() {
+            near.weights.unlike = near.find_unlike(bodies, rests, possible);
+        } else if before.differs() && !possible.differs() {
+            near.forget_unlike(rests);
+            near.weights.unlike = Unlike::Nothing;
+        }
+        differ
     }
 
     /// Slows down what counts as heavier than it is, is faster than one that falls as far as it is wide, and will be held by
@@ -88,7 +80,7 @@ impl Contact {
             body.inverse_mass < rest.in_impacts()
                 && body.velocity.length_squared() > fall(setting, 2.0 * body.radius)
         };
-        if near.weights.unlike != Unlike::Density || !bodies.iter().zip(&*rests).any(is_fast) {
+        if !near.weights.heavier || !bodies.iter().zip(&*rests).any(is_fast) {
             return;
         }
         let fast: Vec<bool> = bodies.iter().zip(&*rests).map(is_fast).collect();
@@ -120,7 +112,7 @@ impl Near {
     /// Finds what balls weigh where they are held, and keeps what holds them. Whether any weighs something else than before.
     fn weigh(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) -> bool {
         let mut weights = std::mem::take(&mut self.weights);
-        let Weights { before, counted, left, loads, unlike } = &mut weights;
+        let Weights { before, counted, left, loads, possible, heavier, .. } = &mut weights;
         before.clear();
         before.extend(bodies.iter().map(|body| body.inverse_mass));
         counted.clear();
@@ -129,7 +121,7 @@ impl Near {
         let least = LEFT * setting.kick.length();
         let presses = |at: usize| left[at].length() > least;
         loads.clear();
-        if *unlike == Unlike::Density {
+        if *possible == Unlike::Density {
             let of_pair = |(i, j)| loads_of(bodies, setting, i as u32, j as u32);
             loads.extend(self.pairs().flat_map(of_pair).flatten());
         }
@@ -144,10 +136,11 @@ impl Near {
         }) {}
         // Sleepers rest on what they weighed when they fell asleep.
         for ((body, rest), &counted) in
-            bodies.iter_mut().zip(rests).zip(&*counted).filter(|((_, rest), _)| !rest.asleep)
+            bodies.iter_mut().zip(&mut *rests).zip(&*counted).filter(|((_, rest), _)| !rest.asleep)
         {
             (body.inverse_mass, rest.counted) = (counted, counted);
         }
+        *heavier = rests.iter().any(|rest| rest.counted < rest.own);
         let differ = before.iter().zip(&*bodies).any(|(before, body)| *before != body.inverse_mass);
         if differ {
             self.hold_as_weighed(bodies, before);
@@ -220,33 +213,6 @@ impl Constraint {
             (self.impulse, self.grip) = (0.0, DVec2::ZERO);
         }
         self.mass = (new[0] + new[1]).recip();
-    }
-}
-
-impl Unlike {
-    /// Whether they are in anything.
-    pub(super) fn differ(self) -> bool {
-        self != Self::Nothing
-    }
-
-    /// What that is among these balls.
-    fn among(bodies: &[Body], rests: &[Rest]) -> Self {
-        let ratio = |of: &dyn Fn(&Body, &Rest) -> f64| {
-            let moved = bodies.iter().zip(rests).filter(|(_, rest)| rest.own > 0.0);
-            let (least, most) = moved
-                .map(|(body, rest)| of(body, rest))
-                .fold((f64::INFINITY, 0.0_f64), |(least, most), of| (least.min(of), most.max(of)));
-            most / least
-        };
-        let masses = ratio(&|_, rest| rest.own);
-        let count = bodies.len();
-        if masses > UNLIKE && ratio(&|body, rest| rest.own * body.radius * body.radius) > UNLIKE {
-            Self::Density
-        } else if masses > UNLIKE_IN_SIZE && count > FEW && count <= MOST_UNLIKE_IN_SIZE {
-            Self::Size
-        } else {
-            Self::Nothing
-        }
     }
 }
 
