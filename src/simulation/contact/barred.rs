@@ -27,13 +27,11 @@ struct Touch {
 }
 
 impl Contact {
-    /// Turns those round that had no room and push against what cannot give way.
-    pub(super) fn bounce_off_barred(&mut self) {
-        let Self { setting, bodies, restitutions, near: Some(near), room, .. } = self else { return };
+    /// Turns those round that had no room and push against what cannot give way. Whether there were any.
+    pub(super) fn bounce_off_barred(&mut self) -> bool {
+        let Self { setting, bodies, restitutions, near: Some(near), room, .. } = self else { return false };
         let short = &room.short;
-        if short.is_empty() {
-            return;
-        }
+        let mut any_turned = false;
         // What keeps each from where it would go: the directions in which it is pushed back.
         let mut bars: Vec<_> = short.iter().map(|short| walls_at(setting, &bodies[short.body])).collect();
         let mut touches = Vec::new();
@@ -63,9 +61,11 @@ impl Contact {
                     let change = *normal * (-(1.0 + restitution) * own);
                     bodies[at].velocity += change;
                     bodies[at].free += change;
+                    any_turned = true;
                 }
             }
         }
+        any_turned
     }
 }
 

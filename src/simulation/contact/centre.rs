@@ -18,7 +18,7 @@ impl Contact {
         let Self { setting, bodies, rests, near: Some(near), course, room, pairs: true, .. } = self else {
             return;
         };
-        if setting.is_grounded() || !(course.ended || !room.short.is_empty() || near.any_strays()) {
+        if setting.grounded || !(course.ended || !room.short.is_empty() || near.any_strays()) {
             return;
         }
         let mut lost: Vec<bool> = course.fates.iter().map(Fate::is_over).collect();

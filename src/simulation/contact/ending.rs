@@ -93,7 +93,7 @@ impl Stage<'_> {
 /// falls with all others.
 pub(super) fn end(setting: &Setting, body: &mut Body, time: f64) {
     let place = body.end(time) + setting.common * (setting.substep - time);
-    if body.inverse_mass > 0.0 && setting.is_grounded() {
+    if body.inverse_mass > 0.0 && setting.grounded {
         let left_out = setting.kick * (1.0 - time / setting.substep);
         body.velocity -= left_out;
         body.free -= left_out;

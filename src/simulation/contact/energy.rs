@@ -46,7 +46,7 @@ impl Contact {
     pub(super) fn find_keeping(&mut self) {
         let Self { setting, substeps, near: Some(near), course, parting, .. } = self else { return };
         let far = || course.fates.iter().any(|fate| fate.shift == Shift::Far);
-        let falls = || setting.kick != DVec2::ZERO && !(setting.is_grounded() && substeps.are_at_rest());
+        let falls = || setting.kick != DVec2::ZERO && !(setting.grounded && substeps.are_at_rest());
         setting.keeping = if parting.goes_on() {
             Keeping::Strictly
         } else if near.weights.unlike.differs() || falls() || far() {
@@ -62,7 +62,7 @@ impl Contact {
         if setting.keeping == Keeping::Nothing {
             return;
         }
-        if setting.is_grounded() {
+        if setting.grounded {
             let (mut gained, mut lost) = (0.0, 0.0);
             for Stripe { account, .. } in of_layer(&mut near.stripes, near.layout, Layer::Own) {
                 gained += account.gained;
@@ -99,7 +99,7 @@ impl Pass<'_> {
         work: &|setting, Stripe { unheld, unheld_energies, .. }, Share { bodies, .. }| {
             unheld.clear();
             unheld_energies.clear();
-            if setting.is_grounded() {
+            if setting.grounded {
                 unheld_energies.extend(bodies.iter().map(|body| energy(body.free, setting.kick)));
             } else {
                 unheld.extend(bodies.iter().map(|body| body.free));

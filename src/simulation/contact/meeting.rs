@@ -15,7 +15,7 @@ pub(super) const COINCIDENT: f64 = 1e-150;
 
 /// Two that come nearer by less than this part of their speed do not: by rounding, those that have just met without restitution
 /// would meet again, for ever.
-const ROUNDING: f64 = 1e-10;
+const ROUNDING: f64 = 1e-13;
 
 /// A ball wakes of what gives it more than so many kicks of gravity; one that is lighter than what hits it, of less in that
 /// ratio: else that would turn back as if off a wall. (With a quarter, piles of ten thousand come to rest half a second later.)

@@ -113,6 +113,8 @@ struct Setting {
     can_rest: bool,
     /// Whether any ball is fixed.
     has_fixed: bool,
+    /// Whether something may carry balls in this substep that falls with none of them: a fixed one, or a wall near any.
+    grounded: bool,
     /// The velocity through the substep that all balls have in common, px/s, where nothing carries any: how fast they are
     /// against that alone counts. Else 0.
     common: DVec2,
@@ -132,13 +134,6 @@ struct Setting {
     to_the_end: Option<Tolerance>,
     /// Balls that slide on each other faster than this, px/s, do not grip each other.
     gripping: f64,
-}
-
-impl Setting {
-    /// Whether something may carry balls that falls with none of them.
-    fn is_grounded(&self) -> bool {
-        self.walls.is_some() || self.has_fixed
-    }
 }
 
 /// The solver.
@@ -188,7 +183,8 @@ impl Contact {
         let pairs = has_pairs(world, balls);
         let substeps = Substeps::new(world, balls, tuning);
         let setting = Setting::new(world, can_rest(world, balls), &substeps, tuning);
-        let setting = Setting { has_fixed: balls.iter().any(Ball::is_fixed), ..setting };
+        let has_fixed = balls.iter().any(Ball::is_fixed);
+        let setting = Setting { has_fixed, grounded: has_fixed || setting.walls.is_some(), ..setting };
         let kick = setting.kick;
         let bodies: Vec<_> = balls.iter().map(|ball| Body::new(ball, kick)).collect();
         Self {
@@ -248,7 +244,7 @@ impl Contact {
             let presses = self.setting.kick != DVec2::ZERO;
             let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
             let passes = [
-                if !presses || !self.setting.is_grounded() {
+                if !presses || !self.setting.grounded {
                     // Stopped on what falls as it does, a ball would slow down all of them.
                     Pass::NOTHING
                 } else if self.passes_on() {
@@ -290,7 +286,9 @@ impl Contact {
             self.keep_to_room();
             self.keep_centres();
             self.sweep(others);
-            self.bounce_off_barred();
+            if self.bounce_off_barred() && self.setting.keeping != Keeping::Nothing {
+                self.sweep(&[Pass::ADD_UP]);
+            }
         } else {
             self.sweep(passes);
             self.keep_centres();
@@ -349,6 +347,7 @@ impl Contact {
         if searched {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
         }
+        setting.grounded = setting.has_fixed || near.any_beside();
         let presses = setting.can_rest && setting.kick != DVec2::ZERO;
         if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);

@@ -97,7 +97,7 @@ impl Contact {
             let stays = body.position.distance(room.starts[at]) < DEEPEST * body.radius;
             rest.stuck = if room.is_short[at] && stays { rest.stuck.saturating_add(1) } else { 0 };
         }
-        if setting.kick != DVec2::ZERO && setting.is_grounded() {
+        if setting.kick != DVec2::ZERO && setting.grounded {
             room.pay_for_height(setting, bodies);
         }
     }

@@ -95,7 +95,7 @@ impl Contact {
     /// wall that holds it, that is nothing, and where nothing carries any, all fall.
     pub(super) fn velocity_between(&self, at: usize) -> DVec2 {
         let (body, kick) = (&self.bodies[at], self.setting.kick);
-        if !self.setting.is_grounded() {
+        if !self.setting.grounded {
             return body.velocity + 0.5 * kick;
         }
         let Held { by_others, by_walls } = self.held.get(at).copied().unwrap_or_default();

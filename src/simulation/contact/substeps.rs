@@ -206,6 +206,7 @@ impl Setting {
             kick: DVec2::ZERO,
             can_rest,
             has_fixed: false,
+            grounded: true,
             common: DVec2::ZERO,
             firm: 0.0,
             mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),

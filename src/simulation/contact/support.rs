@@ -40,7 +40,7 @@ const ROUNDS_OF_MIXED: u32 = 16;
 /// ... or fewer, down to [`ROUNDS`], where these would hold more than so many pairs in all: thousands stay in real time.
 const PAIRS_OF_MIXED: usize = 100_000;
 /// Among so many balls ...
-const SOME: usize = 400;
+pub(super) const SOME: usize = 400;
 /// ... there are more rounds, too, ...
 const ROUNDS_OF_SOME: u32 = 128;
 /// ... and sweeps have not settled either where a change is more than so many kicks of gravity: among small balls, large ones may

@@ -80,7 +80,7 @@ impl Contact {
             thrown.extend(near.stripes[number].thrown.drain(..).map(|body| start + body as usize));
         }
         let most = |at: usize| setting.most_held(&course.fates[at], || rests[at].unlike);
-        let is_carried = setting.is_grounded();
+        let is_carried = setting.grounded;
         near.let_go_of_all(thrown, bodies, let_go, most, |body, most| {
             // What falls with others keeps what it gave them, and with these its energy (`energy`).
             let fastest = body.free.length().max(most);

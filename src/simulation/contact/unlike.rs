@@ -9,6 +9,7 @@ use super::constraints::Marks;
 use super::find::FEW;
 use super::near::Near;
 use super::sleep::Rest;
+use super::support::SOME;
 
 /// Two balls are unlike in density where both their masses and these for their sizes differ by more than this ratio, ...
 const IN_DENSITY: f64 = 4.0;
@@ -20,8 +21,9 @@ const MOST_IN_SIZE: usize = 16_384;
 /// So are balls up to so many contacts away: what presses on the unlike ones comes through these. With two, ten balls of 10⁴ times
 /// the mass of two thousand others, among these, press some of them wholly into each other ...
 const RINGS: usize = 8;
-/// ... and where more than one in so many balls are unlike their neighbours, so are all: that need not be found.
-const MANY: usize = 16;
+/// ... and where they are more than one in so many, so are all: little would be saved, and what presses on many comes from
+/// everywhere.
+const MANY: usize = 8;
 
 /// In what a ball is unlike those around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -65,7 +67,7 @@ impl Unlike {
 
     /// In what two balls are: nothing where one is fixed.
     fn between((first, one): (&Body, &Rest), (second, other): (&Body, &Rest)) -> Self {
-        let exceeds = |one: f64, two: f64, ratio: f64| (one > ratio * two) | (two > ratio * one);
+        let exceeds = |one: f64, two: f64, ratio: f64| one > ratio * two || two > ratio * one;
         let [density, its] =
             [(first, one), (second, other)].map(|(body, rest)| rest.own * body.radius * body.radius);
         if one.own == 0.0 || other.own == 0.0 {
@@ -94,9 +96,11 @@ impl Near {
     /// Finds which balls are unlike those around them where any are, in what is `possible`, and which pairs are of such. The
     /// greatest of that.
     pub(super) fn find_unlike(&mut self, bodies: &[Body], rests: &mut [Rest], possible: Unlike) -> Unlike {
-        if bodies.len() <= FEW {
-            // All are near each other.
-            rests.iter_mut().for_each(|rest| rest.unlike = possible);
+        if bodies.len() <= SOME || !possible.differs() {
+            // Most are near each other, and they cost little.
+            for rest in rests.iter_mut() {
+                rest.unlike = possible;
+            }
             self.mark_unlike(rests);
             return possible;
         }
@@ -115,30 +119,37 @@ impl Near {
         }
         let in_size = |rest: &&mut Rest| rest.unlike == Unlike::Size;
         if rests.iter_mut().filter(in_size).count() > MOST_IN_SIZE {
-            rests.iter_mut().filter(in_size).for_each(|rest| rest.unlike = Unlike::Nothing);
+            for rest in rests.iter_mut().filter(in_size) {
+                rest.unlike = Unlike::Nothing;
+            }
         }
         self.mark_unlike(rests);
         rests.iter().map(|rest| rest.unlike).max().unwrap_or_default()
     }
 
-    /// Has balls be unlike in the same as those that they hold, some contacts away.
+    /// Has balls be unlike in the same as those near them, some contacts away.
     fn spread(&mut self, rests: &mut [Rest], kind: Unlike) {
         let mut ring: Vec<usize> = (0..rests.len()).filter(|&at| rests[at].unlike == kind).collect();
-        if ring.len() * MANY > rests.len() {
-            // Then all are near some.
-            rests.iter_mut().for_each(|rest| rest.unlike = rest.unlike.max(kind));
-        } else if !ring.is_empty() {
+        let (mut count, mut next) = (ring.len(), Vec::new());
+        for _ in 0..RINGS {
+            if ring.is_empty() || count * MANY > rests.len() {
+                break;
+            }
             self.link_pairs(rests.len());
-            let (stripes, mut next) = (self.all(), Vec::new());
-            for _ in 0..RINGS {
-                for other in ring.drain(..).flat_map(|at| stripes.holders(at)).map(|holder| holder.other) {
-                    let rest = &mut rests[other];
-                    if rest.own > 0.0 && rest.unlike < kind {
-                        rest.unlike = kind;
-                        next.push(other);
-                    }
+            let stripes = self.all();
+            for other in ring.drain(..).flat_map(|at| stripes.around(at)) {
+                let rest = &mut rests[other];
+                if rest.own > 0.0 && rest.unlike < kind {
+                    rest.unlike = kind;
+                    next.push(other);
                 }
-                std::mem::swap(&mut ring, &mut next);
+            }
+            count += next.len();
+            std::mem::swap(&mut ring, &mut next);
+        }
+        if count * MANY > rests.len() {
+            for rest in rests.iter_mut() {
+                rest.unlike = rest.unlike.max(kind);
             }
         }
     }
@@ -152,12 +163,6 @@ impl Near {
                 marks.set_unlike(Unlike::of_pair(first, second));
             }
         }
-    }
-
-    /// Takes it that all are alike.
-    pub(super) fn forget_unlike(&mut self, rests: &mut [Rest]) {
-        rests.iter_mut().for_each(|rest| rest.unlike = Unlike::Nothing);
-        self.mark_unlike(rests);
     }
 }
 
@@ -190,9 +195,9 @@ mod tests {
     /// Balls of radius 5, or as many times as large as is said, upon each other from the floor up, of these masses, after a second.
     fn column(of: &[(f64, f64)]) -> Contact {
         let world =
-            World::new(DVec2::new(400.0, 2000.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+            World::new(DVec2::new(400.0, 5000.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
         let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
-        let mut y = 2000.0;
+        let mut y = 5000.0;
         let mut place = |&(radius, mass): &(f64, f64)| {
             y -= 2.0 * radius;
             Ball::new(DVec2::new(200.0, y + radius), radius).unwrap().with_mass(mass).unwrap()
@@ -215,34 +220,41 @@ mod tests {
 
     #[test]
     fn balls_are_unlike_as_far_from_an_unlike_one_as_what_presses_on_it_comes_from() {
-        let mut of = [(5.0, 1.0); 100];
+        let mut of = vec![(5.0, 1.0); SOME + 1];
         of[50] = (5.0, 1e-2);
         let kinds = kinds(&column(&of));
-        // The one that it touches is unlike it, too; and so are eight more.
+        // The one that it touches is unlike it, too; and so are some more.
         let unlike = |at: usize| at.abs_diff(50) <= 1 + RINGS;
-        let law = (0..100).map(|at| if unlike(at) { Unlike::Density } else { Unlike::Nothing });
+        let law = (0..=SOME).map(|at| if unlike(at) { Unlike::Density } else { Unlike::Nothing });
         assert!(kinds.iter().copied().eq(law), "{kinds:?}");
     }
 
     #[test]
-    fn large_balls_of_one_material_are_unlike_small_ones_among_more_than_few() {
-        for (count, kind) in [(FEW - 1, Unlike::Nothing), (FEW, Unlike::Size)] {
+    fn among_some_all_are_unlike_where_any_two_are_and_among_few_not_by_size() {
+        let [larger, denser, alike] = [(15.0, 9.0), (5.0, 9.0), (5.0, 4.0)];
+        for (count, other, kind) in [
+            (SOME, denser, Unlike::Density),
+            (SOME, larger, Unlike::Size),
+            (SOME, alike, Unlike::Nothing),
+            (FEW, denser, Unlike::Density),
+            (FEW, larger, Unlike::Nothing),
+        ] {
             let mut of = vec![(5.0, 1.0); count];
-            of.push((15.0, 9.0));
-            let kinds = kinds(&column(&of));
-            assert_eq!([kinds[count], kinds[count - 1], kinds[0]], [kind, kind, Unlike::Nothing]);
+            of[0] = other;
+            assert_eq!(kinds(&column(&of)), vec![kind; count], "{count}, {other:?}");
         }
     }
 
     #[test]
-    fn where_more_than_one_in_sixteen_is_unlike_its_neighbours_all_are() {
-        let mut of = [(5.0, 1.0); 100];
-        of[98] = (5.0, 0.1);
-        assert_eq!(kinds(&column(&of))[0], Unlike::Nothing);
-        for at in [20, 40, 60] {
-            of[at] = (5.0, 0.1);
+    fn where_more_than_one_in_eight_is_unlike_all_are() {
+        for (every, first) in [(60, Unlike::Density), (400, Unlike::Nothing)] {
+            let mut of = vec![(5.0, 1.0); SOME + 1];
+            for at in (every..=SOME).step_by(every) {
+                of[at] = (5.0, 0.1);
+            }
+            let kinds = kinds(&column(&of));
+            assert_eq!([kinds[0], kinds[SOME]], [first, Unlike::Density], "every {every}");
         }
-        assert_eq!(kinds(&column(&of)), [Unlike::Density; 100]);
     }
 
     #[test]

@@ -31,7 +31,9 @@ const LEVEL: f64 = 2.0 / 3.0;
 /// Which balls weigh what.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Weights {
-    /// In what any two are unlike, wherever they are; nothing where there is no gravity.
+    /// Whether balls may press on each other for long.
+    presses: bool,
+    /// In what any two are unlike, wherever they are, if they may.
     possible: Unlike,
     /// In what any ball is unlike those around it.
     pub(super) unlike: Unlike,
@@ -51,23 +53,21 @@ impl Contact {
     /// something else than before.
     pub(super) fn weigh_balls(&mut self, searched: bool) -> bool {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return false };
+        // Without gravity nothing presses, and without anything to lie on, nothing does for long.
+        let presses = setting.grounded && setting.kick != DVec2::ZERO;
+        let changed = std::mem::replace(&mut near.weights.presses, presses) != presses || searched;
         let before = near.weights.possible;
-        if searched {
-            // Without gravity nothing presses, and without anything to lie on, nothing does for long.
-            let presses = setting.is_grounded() && setting.kick != DVec2::ZERO;
+        if changed {
             near.weights.possible = if presses { Unlike::among(bodies, rests) } else { Unlike::Nothing };
         }
+        if !changed && !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
+            return false;
+        }
         let possible = near.weights.possible;
-        let weighs = searched || self.steps.is_multiple_of(PERIOD * self.substeps.shortest());
-        // Where they are no more, all weigh what they do again.
-        let differ = weighs
-            && (before == Unlike::Density || possible == Unlike::Density)
-            && near.weigh(bodies, rests, setting);
-        if weighs && possible.differs() {
+        // Where nothing presses any more, all weigh what they do again.
+        let differ = before.max(possible) == Unlike::Density && near.weigh(bodies, rests, setting);
+        if before.differs() || possible.differs() {
             near.weights.unlike = near.find_unlike(bodies, rests, possible);
-        } else if before.differs() && !possible.differs() {
-            near.forget_unlike(rests);
-            near.weights.unlike = Unlike::Nothing;
         }
         differ
     }
@@ -265,15 +265,18 @@ mod tests {
         Ball::new(DVec2::new(x, y), radius).unwrap().with_mass(mass).unwrap()
     }
 
+    /// These balls, and one at a wall: where something may be carried, balls count as heavier.
     fn contact(balls: &[Ball]) -> Contact {
         let world = World::new(DVec2::splat(200.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
         let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
-        Contact::new(&world, balls, Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 })
+        let balls = [balls, &[ball(5.0, 5.0, (5.0, 1.0))]].concat();
+        Contact::new(&world, &balls, Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 })
     }
 
     /// What each ball counts with.
     fn weights(contact: &Contact) -> Vec<f64> {
-        contact.bodies.iter().map(|body| body.inverse_mass.recip()).collect()
+        let count = contact.bodies.len() - 1;
+        contact.bodies[..count].iter().map(|body| body.inverse_mass.recip()).collect()
     }
 
     /// What balls on top of each other, from the highest down, count with.
@@ -355,6 +358,29 @@ mod tests {
         contact.steps = PERIOD * contact.substeps.shortest();
         contact.find();
         assert_eq!(weights(&contact), [1000.0, 500.0]);
+    }
+
+    #[test]
+    fn in_flight_balls_weigh_what_they_do() {
+        let world = World::new(DVec2::splat(2000.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
+        let balls = [ball(100.0, 100.0, (5.0, 1000.0)), ball(100.0, 110.0, (5.0, 1.0))];
+        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
+        for fall in [DVec2::ZERO, DVec2::new(0.0, 1884.9)] {
+            let mut contact = Contact::new(&world, &balls, tuning);
+            for body in &mut contact.bodies {
+                body.position += fall;
+            }
+            contact.find();
+            let light = contact.bodies[1].inverse_mass.recip();
+            assert_eq!(light, if fall == DVec2::ZERO { 1.0 } else { 500.0 });
+            // Once they fly again, too.
+            for body in &mut contact.bodies {
+                body.position.y = 500.0;
+            }
+            contact.find();
+            assert_eq!(contact.bodies[1].inverse_mass, 1.0);
+        }
     }
 
     #[test]
