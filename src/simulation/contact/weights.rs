@@ -64,12 +64,12 @@ impl Contact {
             return false;
         }
         let possible = near.weights.possible;
-        // Where nothing presses any more, all weigh what they do again.
-        let differ = before.max(possible) == Unlike::Density && near.weigh(bodies, rests, setting);
         if before.differs() || possible.differs() {
             near.weights.unlike = near.find_unlike(bodies, rests, possible);
         }
-        differ
+        // Where none is unlike any more, all weigh what they do again.
+        let weighs = near.weights.unlike == Unlike::Density || near.weights.heavier;
+        weighs && near.weigh(bodies, rests, setting)
     }
 
     /// Slows down what counts as heavier than it is, is faster than one that falls as far as it is wide, and will be held by
@@ -112,7 +112,7 @@ impl Near {
     /// Finds what balls weigh where they are held, and keeps what holds them. Whether any weighs something else than before.
     fn weigh(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) -> bool {
         let mut weights = std::mem::take(&mut self.weights);
-        let Weights { before, counted, left, loads, possible, heavier, .. } = &mut weights;
+        let Weights { before, counted, left, loads, unlike, heavier, .. } = &mut weights;
         before.clear();
         before.extend(bodies.iter().map(|body| body.inverse_mass));
         counted.clear();
@@ -121,7 +121,7 @@ impl Near {
         let least = LEFT * setting.kick.length();
         let presses = |at: usize| left[at].length() > least;
         loads.clear();
-        if *possible == Unlike::Density {
+        if *unlike == Unlike::Density {
             let of_pair = |(i, j)| loads_of(bodies, setting, i as u32, j as u32);
             loads.extend(self.pairs().flat_map(of_pair).flatten());
         }
