@@ -63,12 +63,14 @@ impl Check {
             let path = PathBuf::from(format!("{}-frame-{}.toml", run.course.scene().name(), frame - 1));
             let rain = if run.course.scene().rain().is_some() { RAIN_IS_LEFT_OUT } else { "" };
             let text = format!(
-                "# `carom run {} --check` broke the law of {} in frame {frame}: {violation}.\n\
+                "# `carom run {} --solver {} --check`, with the other options that it had, broke the law of {} in\n\
+                 # frame {frame}: {violation}.\n\
                  # This is the frame before, at {:?} s. The frame that follows:\n\
                  # echo {delta:?} | carom run {} --check --deltas /dev/stdin\n\
                  # What a solver remembers beside the balls (who rests, who sleeps) is not in it: where that frame\n\
                  # keeps the laws, the first command breaks them still.\n{rain}\n{}",
                 in_shell(run.course.scene().argument()),
+                simulation.solver(),
                 violation.law.name(),
                 self.ledger.time_before(),
                 in_shell(&path.to_string_lossy()),

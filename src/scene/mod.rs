@@ -44,7 +44,7 @@
 //! [rain]                         # random balls that fall in while there is room
 //! rate = 200                     # balls a second; must be said
 //! radius = [6, 12]               # and speed, density or mass, restitution, seed as in a fill
-//! region = [0, 0, 1280, 48]      # four of the largest radii high, at the top
+//! region = [0, 0, 1280, 48]      # four of the largest radii wide, where gravity comes from
 //! # "#;
 //! # assert_eq!(carom::Scene::parse("docs", text)?.build()?.balls().len(), 102);
 //! # Ok::<(), carom::SceneError>(())

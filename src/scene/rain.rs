@@ -16,7 +16,8 @@ const SPELL: f64 = 0.125;
 const ROUNDING: f64 = 1e-12;
 /// After so many spells in a row of which no ball found room, the world is full.
 const FULL: u32 = 16;
-/// The default region is the top of the world, so many of the largest radii high.
+/// The default region is a strip of the world where gravity comes from, so many of the largest radii wide; the top, where there
+/// is none.
 const STRIP: f64 = 4.0;
 
 /// Rain of random balls. It falls at set moments of the simulated time, so that it is the same whatever the frames.
@@ -121,11 +122,47 @@ impl Rain {
         }
     }
 
+    /// Where balls fall in by default.
+    fn strip(&self, world: &World) -> (DVec2, DVec2) {
+        let (size, gravity) = (world.size(), world.gravity().unwrap_or_default());
+        let axis = usize::from(gravity.y.abs() >= gravity.x.abs());
+        let width = (STRIP * self.fill.radius.1).min(size[axis]);
+        let (mut low, mut high) = (DVec2::ZERO, size);
+        if gravity[axis] < 0.0 {
+            low[axis] = size[axis] - width;
+        } else {
+            high[axis] = width;
+        }
+        (low, high)
+    }
+
     /// As many of `count` balls as find room where the rain falls.
     fn drops(&self, count: usize, world: &World, present: &[Ball]) -> Vec<Ball> {
-        let strip = DVec2::new(world.size().x, (STRIP * self.fill.radius.1).min(world.size().y));
-        let region = self.fill.region.unwrap_or((DVec2::ZERO, strip));
+        let region = self.fill.region.unwrap_or_else(|| self.strip(world));
         let fill = Fill { count, region: Some(region), ..self.fill.clone() };
         fill.place_at_random(world, present, self.spells)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scene;
+    use super::*;
+
+    #[test]
+    fn rain_falls_in_where_gravity_comes_from() {
+        let scene =
+            |gravity: &str| format!("size = [400, 300]\n{gravity}\n[rain]\nrate = 8\nradius = [1, 5]\n");
+        for (gravity, low, high) in [
+            ("", [0.0, 0.0], [400.0, 20.0]),
+            ("gravity = [3, 5]", [0.0, 0.0], [400.0, 20.0]),
+            ("gravity = [0, -980]", [0.0, 280.0], [400.0, 300.0]),
+            ("gravity = [980, -5]", [0.0, 0.0], [20.0, 300.0]),
+            ("gravity = [-980, 5]", [380.0, 0.0], [400.0, 300.0]),
+        ] {
+            let scene = Scene::parse("rain", &scene(gravity)).unwrap();
+            let strip = scene.rain().unwrap().strip(scene.build().unwrap().world());
+            assert_eq!(strip, (DVec2::from(low), DVec2::from(high)), "{gravity}");
+        }
     }
 }

@@ -12,6 +12,7 @@ use winit::window::Fullscreen;
 
 use super::super::keys::{self, Action};
 use super::super::overlay::{Browser, Direction, Gauge};
+use super::super::record::Recorder;
 use super::super::watch::Watch;
 use super::super::{Options, words};
 use super::{App, Rewinding};
@@ -97,6 +98,8 @@ impl App {
         } else if self.help {
             self.help = false;
             self.request_redraw();
+        } else if self.recorder.as_ref().is_some_and(Recorder::is_recording) {
+            self.toggle_recording();
         } else {
             // What the key was to stop may just have ended.
             return self.busy.is_none_or(|at| now.saturating_duration_since(at) > LATE);

@@ -67,7 +67,7 @@ impl App {
                     Ok(recorder) => {
                         self.recorder = Some(recorder);
                         self.recording_since = now;
-                        self.say("recording; V: end".to_owned());
+                        self.say("recording; V or Esc: end".to_owned());
                     }
                     Err(error) => self.complain(format!("no recording: {error}")),
                 }
