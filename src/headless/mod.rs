@@ -238,9 +238,11 @@ mod tests {
         let path = broken.file.as_ref().unwrap();
         let text = std::fs::read_to_string(path).unwrap();
         std::fs::remove_file(path).unwrap();
-        for part in
-            ["`carom run 'it rains.toml' --solver exact --check`", "carom run 'it rains-frame-1.toml'", "the rain is not"]
-        {
+        for part in [
+            "`carom run 'it rains.toml' --solver exact --check`",
+            "carom run 'it rains-frame-1.toml'",
+            "the rain is not",
+        ] {
             assert!(text.contains(part), "{part} is not in: {text}");
         }
         assert!(Scene::parse("left.toml", &text).is_ok());

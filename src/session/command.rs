@@ -91,11 +91,20 @@ impl From<Change> for Command {
     }
 }
 
+/// What is said where so few random balls found a place.
+fn no_room(placed: usize, count: usize) -> String {
+    match (placed, count) {
+        (0, 1) => "no room for another ball".to_owned(),
+        (0, _) => format!("no room for any of {count} balls"),
+        _ => format!("only {placed} of {count} balls found room"),
+    }
+}
+
 /// Why a command did nothing, or less than it should.
 #[derive(Debug, Error)]
 pub enum CommandError {
     /// Some of the random balls found no place.
-    #[error("only {placed} of {count} balls found room")]
+    #[error("{}", no_room(*placed, *count))]
     NoRoom {
         /// How many were added.
         placed: usize,
@@ -135,4 +144,17 @@ pub enum CommandError {
     /// A number is out of range.
     #[error(transparent)]
     OutOfRange(#[from] crate::OutOfRange),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_adds_balls_is_told_how_many_found_room() {
+        let said = |placed, count| CommandError::NoRoom { placed, count }.to_string();
+        assert_eq!(said(0, 1), "no room for another ball");
+        assert_eq!(said(0, 100), "no room for any of 100 balls");
+        assert_eq!(said(7, 100), "only 7 of 100 balls found room");
+    }
 }

@@ -4,8 +4,9 @@
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `near`,
-//!    `constraints`, `order`; of single balls `cover`), and what balls weigh where they are held, where densities
-//!    differ (`weights`); the velocity that all have in common where nothing carries any is noted (`common`);
+//!    `constraints`, `order`; of single balls `cover`), and which balls are unlike those near them (`unlike`) and what they weigh
+//!    where they are held (`weights`); whether anything may carry any, and the velocity that all have in common where nothing
+//!    does, are noted (`common`);
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `stripe_turn`, `rewind`, `events`,
 //!    `fates`, `impacts`, `ending`, `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last

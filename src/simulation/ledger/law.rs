@@ -78,8 +78,8 @@ impl fmt::Display for Violation {
                 write!(f, "ball {ball} is {found:.3e} px beyond a wall; {allowed:.3e} px is rounding")
             }
             Law::Overlap => {
-                write!(f, "ball {ball} overlaps another by {found:.3e} of the smaller radius; ")?;
-                write!(f, "{allowed:.3e} is allowed")
+                write!(f, "ball {ball} overlaps another by {found:.3e} of the smaller radius, ")?;
+                write!(f, "by {:.3e} more than is allowed", found - allowed)
             }
             Law::Energy => write!(
                 f,
