@@ -193,8 +193,8 @@ impl Stripe {
 /// Pairs are looked at in hands of so many, in this order: each five places after the one before, around the hand.
 const HAND: [usize; 16] = [0, 5, 10, 15, 4, 9, 14, 3, 8, 13, 2, 7, 12, 1, 6, 11];
 
-/// Deals a list of pairs out, behind those that are dealt: in an order in which those that follow each other seldom have a ball in common, as those of
-/// an upper ball do. A processor works on a few of them at a time then, where else each waits for the last.
+/// Deals a list of pairs out, behind those that are dealt: in an order in which those that follow each other seldom have a ball in
+/// common, as those of an upper ball do. A processor works on a few of them at a time then, where else each waits for the last.
 fn deal(pairs: &[u32], dealt: &mut Vec<u32>) {
     let (hands, others) = pairs.as_chunks();
     dealt.extend(hands.iter().flat_map(|hand: &[u32; HAND.len()]| HAND.map(|place| hand[place])));

@@ -192,7 +192,7 @@ mod tests {
     use super::super::{Contact, DVec2, Tally, Tuning};
     use super::*;
 
-    /// Balls of radius 5, or as many times as large as is said, upon each other from the floor up, of these masses, after a second.
+    /// Balls of these radii and masses upon each other, from the floor up, after a second.
     fn column(of: &[(f64, f64)]) -> Contact {
         let world =
             World::new(DVec2::new(400.0, 5000.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
