@@ -142,10 +142,7 @@ fn inward(
 fn assert_centre_is_kept(balls: Vec<Ball>, gravity: f64, frames: u32, what: &str) {
     // Binary, so that places there are as exact.
     let far = DVec2::splat(32_768.0);
-    let there = |ball: &Ball| Ball::new(ball.position() + far, ball.radius()).unwrap();
-    let there =
-        |ball: &Ball| there(ball).with_mass(ball.mass()).unwrap().with_velocity(ball.velocity()).unwrap();
-    let there = |ball: &Ball| there(ball).with_restitution(ball.restitution()).unwrap();
+    let there = |ball: &Ball| ball.with_position(ball.position() + far).unwrap();
     let walled = world(131_072.0, 131_072.0, 0.5).with_gravity(DVec2::new(0.0, gravity)).unwrap();
     let in_walls = simulation(walled, balls.iter().map(there).collect());
     for (mut falling, walls) in [(falling(balls, gravity), ""), (in_walls, ", in walls")] {

@@ -1,19 +1,8 @@
-//! Whether anything may carry balls in a substep, and the velocity that they have in common where nothing does: they are fast
-//! against that alone.
+//! The velocity that balls have in common which nothing carries: they are fast against that alone.
 
 use glam::DVec2;
 
 use super::Contact;
-use super::layout::Layer;
-use super::near::Near;
-use super::stripes::of_layer;
-
-impl Near {
-    /// Whether any ball may touch a wall.
-    pub(super) fn any_beside(&mut self) -> bool {
-        of_layer(&mut self.stripes, self.layout, Layer::Own).any(|stripe| !stripe.beside.is_empty())
-    }
-}
 
 impl Contact {
     /// Finds the velocity that all balls have in common, where nothing carries any; else there is none.

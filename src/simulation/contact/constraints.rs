@@ -83,6 +83,13 @@ impl Marks {
         self.0 & any.0 != 0
     }
 
+    /// Whether the two are held apart in this substep.
+    #[inline]
+    pub(super) fn touch(self) -> bool {
+        // Without a branch, which a processor could not foresee.
+        self.has(Self::LIVE) & !self.has(Self::IDLE)
+    }
+
     /// Notes whether all of these are so.
     #[inline]
     pub(super) fn set(&mut self, which: Self, on: bool) {

@@ -5,8 +5,8 @@
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `near`,
 //!    `constraints`, `order`; of single balls `cover`), and which balls are unlike those near them (`unlike`) and what they weigh
-//!    where they are held (`weights`); whether anything may carry any, and the velocity that all have in common where nothing
-//!    does, are noted (`common`);
+//!    where they are held (`weights`), if anything may carry any; the velocity that all have in common where nothing does is noted
+//!    (`common`);
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `stripe_turn`, `rewind`, `events`,
 //!    `fates`, `impacts`, `ending`, `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
@@ -348,7 +348,7 @@ impl Contact {
         if searched {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
         }
-        setting.grounded = setting.has_fixed || near.any_beside();
+        setting.grounded = setting.has_fixed || near.beside().next().is_some();
         let presses = setting.can_rest && setting.kick != DVec2::ZERO;
         if (self.weigh_balls(searched) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);

@@ -68,7 +68,7 @@ impl Stripe {
         let (places, ends) = (&mut carrying[..], &mut uppers[..]);
         let (mut count, mut balls, mut last) = (0, 0, u32::MAX);
         for ((pair, marks), &place) in pairs.iter().zip(marks).zip(&*places_of_constraints) {
-            let touches = marks.has(Marks::LIVE) & !marks.has(Marks::IDLE);
+            let touches = marks.touch();
             places[count] = place;
             count += usize::from(touches);
             balls += usize::from(touches & (pair.first != last));
@@ -83,18 +83,15 @@ impl Stripe {
     fn deal_touching(&mut self) {
         let Self { places_of_constraints, marks, carrying, touching, ends, .. } = self;
         touching.clear();
-        let unlike = Marks::UNLIKE_IN_SIZE | Marks::UNLIKE_IN_DENSITY;
-        if !marks.iter().any(|marks| marks.has(unlike)) {
+        if !marks.iter().any(|marks| marks.unlike().differs()) {
             deal(carrying, touching);
             *ends = [touching.len(); Unlike::KINDS];
             return;
         }
         for (kind, end) in Unlike::ALL.into_iter().zip(ends) {
             let pairs = marks.iter().zip(&*places_of_constraints);
-            let of_kind =
-                |marks: &Marks| marks.unlike() == kind && marks.has(Marks::LIVE) && !marks.has(Marks::IDLE);
-            let places: Vec<u32> =
-                pairs.filter(|(marks, _)| of_kind(marks)).map(|(_, &place)| place).collect();
+            let of_kind = pairs.filter(|(marks, _)| marks.touch() && marks.unlike() == kind);
+            let places: Vec<u32> = of_kind.map(|(_, &place)| place).collect();
             deal(&places, touching);
             *end = touching.len();
         }
