@@ -295,6 +295,72 @@ fn a_ball_wedged_in_between_two_others_gains_no_energy_and_touches_them() {
     }
 }
 
+/// Balls of several sizes and one of `mass` times theirs, all of this restitution, that fall aslant.
+fn among_lighter_ones(count: u32, mass: f64, restitution: f64, walls: f64, seed: u32) -> Simulation {
+    let text = format!(
+        "solver = \"exact\"\nsize = [300, 720]\ngravity = [300, 900]\n[walls]\nrestitution = {walls}\n[pairs]\n\
+         [[ball]]\nposition = [150, 37.5]\nradius = 36.5\nmass = {mass}\nrestitution = {restitution}\n\
+         [[fill]]\ncount = {count}\nradius = [6.3, 21.4]\nspeed = [0, 1000]\nmass = 1\n\
+         restitution = {restitution}\nseed = {seed}\n"
+    );
+    Scene::parse("among lighter ones", &text).unwrap().build().unwrap()
+}
+
+/// Follows a heavy ball among lighter ones for so many frames.
+fn assert_that_none_sinks_and_few_events_are_needed(mut simulation: Simulation, frames: u32, name: &str) {
+    let mut before = energy(&simulation);
+    let heaviest = simulation.balls().iter().map(Ball::mass).fold(0.0, f64::max);
+    let scale = kinetic_energy(simulation.balls()) + heaviest * EARTH * 720.0;
+    for frame in 0..frames {
+        simulation.advance(1.0 / 60.0).unwrap();
+        let (deepest, now) = (overlap(&simulation), energy(&simulation));
+        assert!(deepest < 1e-4, "{name}: {deepest} of a radius in frame {frame}");
+        assert!(now < before + 1e-6 * scale, "{name}: {before} rises to {now}");
+        before = now;
+    }
+    assert!(hits(&simulation) < 200_000, "{name}: {}", hits(&simulation));
+}
+
+/// Where the heavy ball slides over a light one on the floor, that hopped between the two by the million, and then let others
+/// sink into it.
+#[test]
+fn elastic_balls_between_walls_that_take_energy_have_few_events_and_never_lie_in_each_other() {
+    for (count, mass, walls, seed) in
+        [(10, 1e3, 0.0, 1), (10, 1e3, 0.0, 7), (30, 1e3, 0.0, 3), (30, 1.0, 0.5, 2), (10, 1e4, 0.5, 5)]
+    {
+        let name = format!("{count}, {mass}, {walls}");
+        let simulation = among_lighter_ones(count, mass, 1.0, walls, seed);
+        assert_that_none_sinks_and_few_events_are_needed(simulation, 360, &name);
+    }
+}
+
+#[test]
+fn an_elastic_ball_hops_on_an_elastic_one_for_ever_unless_walls_take_energy() {
+    for walls in [None, Some(1.0), Some(0.5)] {
+        let world = World::new(DVec2::splat(400.0)).unwrap();
+        let world = if let Some(walls) = walls { world.with_walls(walls).unwrap() } else { world };
+        let world = world.with_gravity(DVec2::new(0.0, EARTH)).unwrap().with_pairs(Pairs::Impulse);
+        let elastic = |y: f64| ball(200.0, y, 10.0).with_restitution(1.0).unwrap();
+        // At half the rest speed, 2000 hops.
+        let mut simulation = exact(world, vec![elastic(300.0).fixed(), moving(elastic(280.0), 0.0, -0.5)]);
+        simulation.advance(2.05).unwrap();
+        let speed = simulation.balls()[1].velocity().length();
+        assert_eq!(speed > 0.0, walls != Some(0.5), "walls {walls:?}: {speed} px/s");
+        let hops = simulation.tally().impacts;
+        assert_eq!(hops > 2000, walls != Some(0.5), "walls {walls:?}: {hops}");
+    }
+}
+
+/// One after the other, it would take as many impacts to stop it as it is times as heavy, in each of its pockets.
+#[test]
+fn a_ball_of_a_million_times_the_mass_is_stopped_on_those_that_it_crushes_in_few_events() {
+    for (restitution, walls, seed) in [(0.5, 0.5, 2), (0.0, 0.5, 12), (0.9, 0.0, 7)] {
+        let simulation = among_lighter_ones(20, 1e6, restitution, walls, seed);
+        let name = format!("restitution {restitution}, of walls {walls}");
+        assert_that_none_sinks_and_few_events_are_needed(simulation, 360, &name);
+    }
+}
+
 #[test]
 fn a_ball_comes_to_rest_between_a_wall_and_a_fixed_ball_however_steep_their_wedge() {
     let mut restless = Vec::new();

@@ -5,7 +5,7 @@
 //! without friction, until an impact lifts it. Balls that hit each other more slowly than u, and within 2u/g of an
 //! impact before, lose nothing, and neither do faster ones that have moved less than a thousandth of 2u²/g since: the
 //! TC model of Luding & `McNamara` (1998), in time and in length. What chatters so for long is laid to rest by
-//! `settle`.
+//! `settle`. So are elastic balls between walls that take energy: what presses them on these takes it from them, too.
 //!
 //! Nothing is moved, overlaps or not. What overlaps and approaches has an impact now, and what overlaps and parts has
 //! none (Bannerman et al. 2014); what overlaps at rest, as where balls were put into each other, or a window shrank
@@ -32,6 +32,9 @@ const BARELY: f64 = 1e-3;
 /// ... once so many hits came one soon after the other: a ball on the floor that is hit goes to and fro a few times
 /// between what hit it and the floor, and loses what it should.
 pub(super) const QUICK: u16 = 8;
+/// Balls that are wedged in are stopped all at once, with those that they touch, in one of so many events: impact by impact, a heavy
+/// one would take as many to stop on a light one as it is times as heavy.
+const STOPPED: usize = 64;
 /// The demo's gravity, px/s²: the rest speed is meant for it, and where there is none it sets chatter's time scale.
 pub(super) const EARTH: f64 = 980.0;
 /// A ball that hits a wall is as near to it as this part of the world's size. One that is not began beyond it, and
@@ -202,7 +205,7 @@ impl Exact {
         if N::HOLDS && self.wedged() && (first.is_fixed() || second.is_fixed()) {
             return self.hold::<N>(tally, one, other, now);
         }
-        let may_chatter = restitution < 1.0 && !self.wedged();
+        let may_chatter = self.takes_energy(restitution) && !self.wedged();
         let chatters = |slot, matter| may_chatter && self.chatters::<N>(slot, matter, &meeting, now);
         let chatter = (chatters(one, first), chatters(other, second));
         let e = if chatter.0 || chatter.1 { 1.0 } else { restitution };
@@ -241,6 +244,10 @@ impl Exact {
             if self.marks[slot].chatter() == Marks::MOST_CHATTER {
                 self.settle::<N>(tally, slot, now);
             }
+        }
+        // An impact counts as one event or two.
+        if self.wedged() && self.at_once % STOPPED < 2 {
+            self.settle::<N>(tally, one, now);
         }
     }
 
@@ -317,10 +324,15 @@ impl Exact {
         held_impact(offset, velocity, inverse_masses, e)
     }
 
+    /// Whether impacts of this restitution take energy, or those on walls that may follow.
+    pub(super) fn takes_energy(&self, e: f64) -> bool {
+        e < 1.0 || self.wedged() || self.walls.is_some_and(|e| e < 1.0)
+    }
+
     /// The least speed, px/s, at which a ball parts from one that rests: slower, gravity would close the contact again
     /// at once, for ever.
     pub(super) fn least_hop(&self, e: f64) -> f64 {
-        LEAST_HOP * self.rest_speed * if e < 1.0 { 1.0 } else { CONSERVATIVE }
+        LEAST_HOP * self.rest_speed * if self.takes_energy(e) { 1.0 } else { CONSERVATIVE }
     }
 
     /// The part of the least hop with which a ball parts that slides along the wall it rests on, from what nothing moves. In

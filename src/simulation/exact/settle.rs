@@ -161,7 +161,10 @@ impl Exact {
                 let matter = self.matter::<N>(slot);
                 let offset = position - their_position;
                 let (length, reach) = (offset.length(), radius + matter.radius);
-                if length - reach >= touch || length == 0.0 || restitution.min(matter.restitution) == 1.0 {
+                if length - reach >= touch
+                    || length == 0.0
+                    || !self.takes_energy(restitution.min(matter.restitution))
+                {
                     return;
                 }
                 let normal = offset / length;
@@ -170,7 +173,8 @@ impl Exact {
                 if is_new {
                     let speed = (group.velocities[at] - their_velocity).dot(normal).abs();
                     let rattles = self.rattles::<N>(one, slot) || self.rattles::<N>(slot, one);
-                    let joins = held || restless(slot) || rattles || speed < SLOW * self.rest_speed;
+                    let joins =
+                        held || self.wedged() || restless(slot) || rattles || speed < SLOW * self.rest_speed;
                     if joins && group.members.len() < LARGEST {
                         found[slot] = add(&mut group, slot);
                     } else if !held {

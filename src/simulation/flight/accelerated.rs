@@ -3,7 +3,8 @@
 
 use glam::DVec2;
 
-use super::{NEVER, Pair, ROUNDING, position};
+use super::super::lesser::lesser;
+use super::{NEVER, Pair, ROUNDING, SUNK, position};
 
 /// An acceleration that counts as none, px/s²: in the eleven days of the longest frame it moves nothing by 10⁻²⁸ px.
 const WEAK: f64 = 1e-40;
@@ -32,9 +33,12 @@ impl Pair {
             // Overlapping from before: they meet as soon as they approach.
             let (start, end) = (path.depth(from), path.depth(to));
             let approaching = end > start;
-            if approaching && start >= 0.0 && from > 0.0 {
-                // Or once they are no longer too slow, if there is no room.
-                let time = from + self.dull / acceleration.length();
+            if approaching && start >= 0.0 && (from > 0.0 || self.dull > 0.0) {
+                // Or once they are no longer too slow, or have sunk into each other a little, if there is no room: what is
+                // pressed together from now on, too.
+                let strength = acceleration.length();
+                let sunk = (2.0 * SUNK * self.reach / strength).sqrt();
+                let time = from + lesser(self.dull / strength, sunk);
                 if time <= to {
                     return time;
                 }

@@ -75,6 +75,10 @@ const PARTING_TIME: f64 = 0.02;
 /// ... but by no more in a second than this many times the distance at which they touch.
 const FASTEST_PARTING: f64 = 4.0;
 
+/// What has no room, and approaches so slowly that it does not meet at once, does so when it has come nearer by this part of the
+/// distance at which it touches.
+const SUNK: f64 = 1e-5;
+
 /// The slowest speed that counts, px/s: halved on and on, speeds end in numbers that cannot be halved.
 const SLOWEST: f64 = 1e-100;
 
@@ -172,11 +176,17 @@ impl Pair {
         if b < 0.0 { (root - b) / square } else { -c / (root + b) }
     }
 
-    /// When they meet, where they touch or overlap: now or never.
+    /// When they meet, where they touch or overlap: now or never; or soon, where they have no room and approach slowly.
     #[cold]
     fn meet_at_once(self, b: f64) -> f64 {
         let meets = if b < 0.0 { self.approaches(b) } else { self.stays_inside() };
-        if meets { 0.0 } else { NEVER }
+        if meets {
+            0.0
+        } else if self.dull > 0.0 && (Self { dull: 0.0, ..self }).approaches(b) {
+            SUNK * self.reach * self.offset.length() / -b
+        } else {
+            NEVER
+        }
     }
 
     /// Whether they overlap, and part so slowly that it counts as rest.
@@ -333,6 +343,19 @@ mod tests {
                 && on_top(9.0).part_accelerated(pull, NEVER) > 0.5
         );
         assert_eq!(on_top(11.0).part_accelerated(pull, NEVER), 0.0);
+    }
+
+    #[test]
+    fn what_has_no_room_and_approaches_slowly_meets_when_it_has_sunk_a_little() {
+        let without_room =
+            |speed: f64| Pair { dull: 2.0, ..pair(DVec2::new(0.0, -10.0), DVec2::new(0.0, speed), 10.0) };
+        // By the 1e-4 px that are the hundred-thousandth part of the distance at which they touch.
+        assert_eq!([3.0, 1.0, 0.0, -1.0].map(|speed| without_room(speed).meet()), [0.0, 1e-4, NEVER, NEVER]);
+        // Pressed together, it comes to that at rest, too: ½at².
+        let at_rest =
+            |pull: f64, limit: f64| without_room(0.0).meet_accelerated(DVec2::new(0.0, pull), limit);
+        assert!((at_rest(200.0, NEVER) - 1e-3).abs() < 1e-15);
+        assert_eq!([at_rest(200.0, 9e-4), at_rest(-200.0, NEVER)], [NEVER; 2]);
     }
 
     #[test]
