@@ -192,6 +192,30 @@ fn thousands_that_fly_into_each_other_keep_their_momentum_and_their_centre_its_p
     }
 }
 
+/// With as few sweeps as where something carries them, and balls count as heavier, some went wholly into each other.
+#[test]
+fn unlike_balls_that_fly_into_each_other_between_far_walls_are_not_pressed_into_each_other() {
+    let mut deepest = [0.0; 6];
+    for (seed, deepest) in (1..).zip(&mut deepest) {
+        let mut number = random(seed);
+        let mut any = |from: f64, to: f64| from + (to - from) * number();
+        let thrown = |k: u32| {
+            let from_middle = 10.0 * DVec2::new(f64::from(k % 20) - 9.5, f64::from(k / 20) - 9.5);
+            let place = DVec2::splat(20_000.0) + from_middle + DVec2::new(any(-0.3, 0.3), any(-0.3, 0.3));
+            let heavy = ball(place.x, place.y, 4.6).with_mass(10_f64.powf(any(-2.0, 2.0))).unwrap();
+            heavy.with_velocity(-3.0 * from_middle).unwrap().with_restitution(0.3).unwrap()
+        };
+        let walled = world(40_000.0, 40_000.0, 0.5).with_gravity(EARTH).unwrap();
+        let mut cloud = simulation(walled, (0..400).map(thrown).collect());
+        for _ in 0..120 {
+            cloud.advance(FRAME).unwrap();
+            *deepest = f64::max(*deepest, overlap(&cloud));
+        }
+    }
+    let mean = deepest.iter().sum::<f64>() / 6.0;
+    assert!(mean < 0.8, "{deepest:?} of a radius");
+}
+
 /// Balls of random sizes and masses in each other, anywhere in a box of this size, walls included.
 fn strewn(number: &mut impl FnMut() -> f64, size: DVec2, (speed, restitution): (f64, f64)) -> Vec<Ball> {
     let count = 2 + (30.0 * number()) as usize;

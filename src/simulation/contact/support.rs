@@ -167,7 +167,9 @@ impl Contact {
                 if kind.differs() {
                     let touched = near.map_or(0, |near| near.touched_unlike);
                     let affordable = (PAIRS_OF_MIXED / touched.max(1)) as u32;
-                    let rounds = affordable.clamp(ROUNDS, ROUNDS_OF_MIXED);
+                    // What flies weighs what it does: sweeps alone have to carry heavy balls through light ones.
+                    let most = if self.setting.grounded { ROUNDS_OF_MIXED } else { ROUNDS_OF_FEW };
+                    let rounds = affordable.clamp(ROUNDS, most);
                     Sweeps { rounds, enough: firm, ..usual(kind) }
                 } else if self.bodies.len() <= SOME {
                     let enough = enough(SETTLED, FAST * kick.length());

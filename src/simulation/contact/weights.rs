@@ -31,9 +31,9 @@ const LEVEL: f64 = 2.0 / 3.0;
 /// Which balls weigh what.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Weights {
-    /// Whether balls may press on each other for long.
-    presses: bool,
-    /// In what any two are unlike, wherever they are, if they may.
+    /// Whether anything may carry balls.
+    grounded: bool,
+    /// In what any two are unlike, wherever they are.
     possible: Unlike,
     /// In what any ball is unlike those around it.
     pub(super) unlike: Unlike,
@@ -53,22 +53,22 @@ impl Contact {
     /// something else than before.
     pub(super) fn weigh_balls(&mut self, searched: bool) -> bool {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return false };
-        // Without gravity nothing presses, and without anything to lie on, nothing does for long.
-        let presses = setting.grounded && setting.kick != DVec2::ZERO;
-        let changed = std::mem::replace(&mut near.weights.presses, presses) != presses || searched;
         let before = near.weights.possible;
-        if changed {
+        if searched {
+            // Without gravity nothing presses for long.
+            let presses = setting.kick != DVec2::ZERO;
             near.weights.possible = if presses { Unlike::among(bodies, rests) } else { Unlike::Nothing };
         }
-        if !changed && !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
+        let landed = std::mem::replace(&mut near.weights.grounded, setting.grounded) != setting.grounded;
+        if !searched && !landed && !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
             return false;
         }
         let possible = near.weights.possible;
         if before.differs() || possible.differs() {
             near.weights.unlike = near.find_unlike(bodies, rests, possible);
         }
-        // Where none is unlike any more, all weigh what they do again.
-        let weighs = near.weights.unlike == Unlike::Density || near.weights.heavier;
+        // Where none is unlike any more, or nothing carries any, all weigh what they do again.
+        let weighs = near.weights.heavier || setting.grounded && near.weights.unlike == Unlike::Density;
         weighs && near.weigh(bodies, rests, setting)
     }
 
@@ -121,7 +121,7 @@ impl Near {
         let least = LEFT * setting.kick.length();
         let presses = |at: usize| left[at].length() > least;
         loads.clear();
-        if *unlike == Unlike::Density {
+        if setting.grounded && *unlike == Unlike::Density {
             let of_pair = |(i, j)| loads_of(bodies, setting, i as u32, j as u32);
             loads.extend(self.pairs().flat_map(of_pair).flatten());
         }
