@@ -288,6 +288,7 @@ impl Contact {
             self.keep_centres();
             self.sweep(others);
             if self.bounce_off_barred() && self.setting.keeping != Keeping::Nothing {
+                // What was added up before they bounced says nothing any more.
                 self.sweep(&[Pass::ADD_UP]);
             }
         } else {

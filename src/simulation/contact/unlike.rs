@@ -14,12 +14,14 @@ use super::support::SOME;
 /// Two balls are unlike in density where both their masses and these for their sizes differ by more than this ratio, ...
 const IN_DENSITY: f64 = 4.0;
 /// ... and in size where their masses differ by more than the second, among more than few balls, of which the masses of some
-/// differ by more than the first, and where no more than so many are: of one material, small ones between large ones went on
-/// trembling, and were pressed into each other. More do not come to rest either way, and take twice as long.
+/// differ by more than the first, or some are unlike in density, and where no more than so many are: of one material, small ones
+/// between large ones went on trembling, and were pressed into each other. More do not come to rest either way, and take twice as
+/// long.
 const IN_SIZE: (f64, f64) = (8.0, 5.0);
 const MOST_IN_SIZE: usize = 16_384;
-/// So are balls up to so many contacts away: what presses on the unlike ones comes through these. With two, ten balls of 10⁴ times
-/// the mass of two thousand others, among these, press some of them wholly into each other ...
+/// So are balls up to so many away, each of which may touch the next before long: what presses on the unlike ones comes through
+/// these. With two, ten balls of 10⁴ times the mass of two thousand others, among these, press some of them wholly into each
+/// other ...
 const RINGS: usize = 8;
 /// ... and where they are more than one in so many, so are all: little would be saved, and what presses on many comes from
 /// everywhere.
@@ -127,7 +129,7 @@ impl Near {
         rests.iter().map(|rest| rest.unlike).max().unwrap_or_default()
     }
 
-    /// Has balls be unlike in the same as those near them, some contacts away.
+    /// Has balls be unlike in the same as those near them, some balls away.
     fn spread(&mut self, rests: &mut [Rest], kind: Unlike) {
         let mut ring: Vec<usize> = (0..rests.len()).filter(|&at| rests[at].unlike == kind).collect();
         let (mut count, mut next) = (ring.len(), Vec::new());

@@ -6,7 +6,8 @@
 //! push it aside. And not of one that walls or others as heavy carry: what counts as heavier beside that one only, and not far
 //! from it, would sink there with more energy than it takes to be lifted elsewhere, round and round.
 //!
-//! Balls of one material weigh what they do: none is less than half as dense as another.
+//! Balls of one material weigh what they do: none is less than half as dense as another. So do all while nothing carries any, so
+//! that they keep their momentum.
 //!
 //! Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights would do, which
 //! takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
@@ -49,8 +50,8 @@ pub(super) struct Weights {
 }
 
 impl Contact {
-    /// Finds what balls weigh where they are held, where pairs were searched or that was long ago. Whether any weighs
-    /// something else than before.
+    /// Finds which balls are unlike those around them, and what balls weigh where they are held, where pairs were searched or that
+    /// was long ago. Whether any weighs something else than before.
     pub(super) fn weigh_balls(&mut self, searched: bool) -> bool {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return false };
         let before = near.weights.possible;
