@@ -351,6 +351,55 @@ fn an_elastic_ball_hops_on_an_elastic_one_for_ever_unless_walls_take_energy() {
     }
 }
 
+/// Elastic balls in a box of 4000 x 2000 with these walls: radius, place, velocity and mass of each, along a line.
+fn on_a_line(walls: f64, gravity: DVec2, balls: &[(f64, f64, f64)]) -> Simulation {
+    let world = World::new(DVec2::new(4000.0, 2000.0)).and_then(|world| world.with_walls(walls)).unwrap();
+    let world = if gravity == DVec2::ZERO { world } else { world.with_gravity(gravity).unwrap() };
+    let elastic = |&(x, speed, mass): &(f64, f64, f64)| {
+        let ball = moving(ball(x, 1000.0, 10.0), speed, 0.0).with_restitution(1.0).unwrap();
+        if mass.is_finite() { ball.with_mass(mass).unwrap() } else { ball.fixed() }
+    };
+    exact(world.with_pairs(Pairs::Impulse), balls.iter().map(elastic).collect())
+}
+
+/// What chattered among elastic balls was stopped as in a wedge, however fast, where any wall took energy.
+#[test]
+fn elastic_balls_chatter_without_loss_however_dull_walls_are_that_they_do_not_hit() {
+    let between_heavy_ones = [(2000.0 + 1e-9, 0.0, 1e3), (1980.0, 0.0, 1.0), (1900.0, 100.0, 1e3)];
+    let on_a_fixed_one = [(2000.0, 0.0, f64::INFINITY), (1979.95, 0.0, 1.0), (1959.9, 100.0, 1e8)];
+    for (balls, gravity) in [
+        (between_heavy_ones, DVec2::ZERO),
+        (between_heavy_ones, 0.1 * DVec2::Y),
+        (on_a_fixed_one, DVec2::ZERO),
+    ] {
+        let mut followed = [1.0, 0.99, 0.0].map(|walls| on_a_line(walls, gravity, &balls));
+        let start = energy(&followed[0]);
+        for simulation in &mut followed {
+            simulation.advance(1.0).unwrap();
+        }
+        let [elastic, others @ ..] = &followed;
+        assert!((energy(elastic) / start - 1.0).abs() < 1e-10, "{start} becomes {}", energy(elastic));
+        for other in others {
+            assert_eq!(other.balls(), elastic.balls());
+            assert_eq!(other.tally(), elastic.tally());
+        }
+    }
+}
+
+/// All of the energy was lost where the light ball was so near the wall that it hit it thirty times and more in a moment.
+#[test]
+fn a_heavy_ball_drives_a_light_one_against_a_nearly_elastic_wall_and_comes_back() {
+    for (mass, walls, least) in [(300.0, 0.999, 0.9), (1e4, 0.99999, 0.9)] {
+        let balls = [(3990.0 - 1e-6, 0.0, 1.0), (3900.0, 300.0, mass)];
+        let mut simulation = on_a_line(walls, DVec2::ZERO, &balls);
+        let start = energy(&simulation);
+        simulation.advance(1.0).unwrap();
+        let left = energy(&simulation) / start;
+        assert!((least..=1.0 + 1e-12).contains(&left), "{mass}, {walls}: {left}");
+        assert!(simulation.balls()[1].velocity().x < 0.0);
+    }
+}
+
 /// One after the other, it would take as many impacts to stop it as it is times as heavy, in each of its pockets.
 #[test]
 fn a_ball_of_a_million_times_the_mass_is_stopped_on_those_that_it_crushes_in_few_events() {

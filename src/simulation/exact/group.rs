@@ -65,6 +65,8 @@ pub(super) struct Group {
     /// The members' accelerations, px/s²: gravity, then what the pushes at the contacts leave of it.
     pub(super) accelerations: Vec<DVec2>,
     pub(super) contacts: Vec<Contact>,
+    /// Whether any contact takes energy from impacts: else all impacts that are left would keep it.
+    pub(super) absorbs: bool,
 }
 
 /// What a change of a group's velocities took.

@@ -5,7 +5,7 @@
 //! without friction, until an impact lifts it. Balls that hit each other more slowly than u, and within 2u/g of an
 //! impact before, lose nothing, and neither do faster ones that have moved less than a thousandth of 2u²/g since: the
 //! TC model of Luding & `McNamara` (1998), in time and in length. What chatters so for long is laid to rest by
-//! `settle`. So are elastic balls between walls that take energy: what presses them on these takes it from them, too.
+//! `settle`. So are elastic balls where they touch a wall that takes nearly all of it, or are slow between walls that take any.
 //!
 //! Nothing is moved, overlaps or not. What overlaps and approaches has an impact now, and what overlaps and parts has
 //! none (Bannerman et al. 2014); what overlaps at rest, as where balls were put into each other, or a window shrank

@@ -14,7 +14,7 @@ use crate::simulation::Tally;
 use crate::simulation::flight::DEEP;
 
 use super::flights::{Flight, Marks, Matter};
-use super::group::{Group, Member, RATTLER, Support};
+use super::group::{Contact, Group, Member, RATTLER, Support};
 use super::impacts::QUICK;
 use super::{Exact, LEAN, Needs};
 
@@ -24,6 +24,9 @@ const SLOW: f64 = LEAN;
 pub(super) const FIRM: f64 = 2.0;
 /// How far below another a ball is, as a part of the distance at which they touch, that cannot lean on it.
 const BESIDE: f64 = 0.25;
+/// Walls of this restitution and less take nearly all of the energy of what chatters on them, however elastic balls are: in as many
+/// hits as are counted, 95 % of it at the least.
+const ABSORBENT: f64 = 0.9;
 /// The most balls of a group. Held ones beyond it count as immovable.
 const LARGEST: usize = 4096;
 /// How fast a ball leaves the wall that it rests on at least, in rest speeds.
@@ -51,6 +54,14 @@ impl Exact {
         let mut group = self.gather::<N>(slot, now);
         if group.contacts.len() > MOST_CONTACTS * group.members.len() {
             self.credit -= IN_VAIN * (group.members.len() + group.contacts.len() / STEPS_PER_EVENT) as i64;
+            group.members.iter().for_each(|member| self.marks[member.slot].calm_down());
+            return;
+        }
+        let slow = |contact: &Contact| -contact.parting(&group.velocities) <= self.rest_speed;
+        let lies = self.gravity != DVec2::ZERO && group.contacts.iter().all(slow);
+        if !(group.absorbs || lies) {
+            // Among elastic balls, what chatters fast loses nothing.
+            self.credit -= IN_VAIN * group.members.len() as i64;
             group.members.iter().for_each(|member| self.marks[member.slot].calm_down());
             return;
         }
@@ -130,7 +141,7 @@ impl Exact {
 
     /// The balls that touch a ball, those that touch these and so on, as far as they are slow beside each other.
     fn gather<N: Needs>(&mut self, slot: usize, now: f64) -> Group {
-        let mut group = Group::default();
+        let mut group = Group { absorbs: self.wedged(), ..Group::default() };
         let mut found = std::mem::take(&mut self.found);
         found.resize(self.flights.len(), NONE);
         let touch = self.touch_distance();
@@ -149,6 +160,7 @@ impl Exact {
                 if self.walls.is_some() && gap < touch {
                     let normal = DVec2::AXES[axis] * if high { -1.0 } else { 1.0 };
                     group.add_contact(at, Support::Wall, (gap, normal));
+                    group.absorbs |= self.walls.is_some_and(|e| e <= ABSORBENT);
                 }
             }
             let Some(cells) = self.cells.as_ref().filter(|_| !N::DETECT) else { break };
@@ -161,10 +173,8 @@ impl Exact {
                 let matter = self.matter::<N>(slot);
                 let offset = position - their_position;
                 let (length, reach) = (offset.length(), radius + matter.radius);
-                if length - reach >= touch
-                    || length == 0.0
-                    || !self.takes_energy(restitution.min(matter.restitution))
-                {
+                let e = restitution.min(matter.restitution);
+                if length - reach >= touch || length == 0.0 || !self.takes_energy(e) {
                     return;
                 }
                 let normal = offset / length;
@@ -185,6 +195,7 @@ impl Exact {
                 let against =
                     if place == NONE { Support::Immovable(slot) } else { Support::Member(place as usize) };
                 group.add_contact(at, against, (length - reach, normal));
+                group.absorbs |= e < 1.0;
                 if reach - length > DEEP * reach {
                     group.members[at].deep = true;
                     if let Support::Member(other) = against {
