@@ -53,17 +53,13 @@ impl Exact {
         }
         let mut group = self.gather::<N>(slot, now);
         if group.contacts.len() > MOST_CONTACTS * group.members.len() {
-            self.credit -= IN_VAIN * (group.members.len() + group.contacts.len() / STEPS_PER_EVENT) as i64;
-            group.members.iter().for_each(|member| self.marks[member.slot].calm_down());
-            return;
+            return self.give_up(&group);
         }
         let slow = |contact: &Contact| -contact.parting(&group.velocities) <= self.rest_speed;
         let lies = self.gravity != DVec2::ZERO && group.contacts.iter().all(slow);
         if !(group.absorbs || lies) {
             // Among elastic balls, what chatters fast loses nothing.
-            self.credit -= IN_VAIN * group.members.len() as i64;
-            group.members.iter().for_each(|member| self.marks[member.slot].calm_down());
-            return;
+            return self.give_up(&group);
         }
         let stopped = group.take_approach();
         let (mut steps, mut by_walls) = (stopped.steps, stopped.by_walls);
@@ -113,6 +109,12 @@ impl Exact {
             self.foresee::<N>(slot, now);
         }
         self.note_leaning(&group);
+    }
+
+    /// Leaves a group as it is, until its balls have chattered for long again.
+    fn give_up(&mut self, group: &Group) {
+        self.credit -= IN_VAIN * (group.members.len() + group.contacts.len() / STEPS_PER_EVENT) as i64;
+        group.members.iter().for_each(|member| self.marks[member.slot].calm_down());
     }
 
     /// Notes which balls that are held are shown as touching others.
