@@ -265,6 +265,7 @@ fn balls_pressed_into_a_pocket_are_followed_in_time() {
         ("squeezed", include_str!("data/pockets/squeezed.toml")),
         ("one gives way", include_str!("data/pockets/one-gives-way.toml")),
         ("beside the floor", include_str!("data/pockets/beside-the-floor.toml")),
+        ("slides in place", include_str!("data/pockets/slides-in-place.toml")),
     ] {
         let mut pocket = Scene::parse(name, text).unwrap().build().unwrap();
         let start = energy(&pocket);

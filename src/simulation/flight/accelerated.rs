@@ -25,7 +25,16 @@ impl Pair {
         if self.enters(acceleration) {
             return 0.0;
         }
-        let path = Path { pair: self, acceleration };
+        let time = self.meet_along(&Path { pair: self, acceleration }, span);
+        if self.dull > 0.0 && self.are_within(ROUNDING) {
+            // Whether rounding puts a little between them or not.
+            return within(time.max(self.sinks_in(acceleration)), limit);
+        }
+        time
+    }
+
+    /// The same for what does not meet at once.
+    fn meet_along(&self, path: &Path<'_>, span: f64) -> f64 {
         if let Some(time) = path.meets_soon(span) {
             return time;
         }
@@ -34,11 +43,8 @@ impl Pair {
             let (start, end) = (path.depth(from), path.depth(to));
             let approaching = end > start;
             if approaching && start >= 0.0 && (from > 0.0 || self.dull > 0.0) {
-                // Or once they are no longer too slow, or have sunk into each other a little, if there is no room: what is
-                // pressed together from now on, too.
-                let strength = acceleration.length();
-                let sunk = (2.0 * SUNK * self.reach / strength).sqrt();
-                let time = from + lesser(self.dull / strength, sunk);
+                // Or a little later, if there is no room: what is pressed together from now on, too.
+                let time = from + self.sinks_in(path.acceleration);
                 if time <= to {
                     return time;
                 }
@@ -48,6 +54,13 @@ impl Pair {
             }
         }
         NEVER
+    }
+
+    /// How long it takes at least, where there is no room, until what touches, is at rest and is pressed together approaches too fast,
+    /// or has sunk too far.
+    fn sinks_in(&self, acceleration: DVec2) -> f64 {
+        let strength = acceleration.length();
+        lesser(self.dull / strength, (2.0 * SUNK * self.reach / strength).sqrt())
     }
 
     /// When they stop overlapping, where the other is accelerated by `acceleration` relative to the one, if they
