@@ -307,12 +307,12 @@ fn among_lighter_ones(count: u32, mass: f64, restitution: f64, walls: f64, seed:
     Scene::parse("among lighter ones", &text).unwrap().build().unwrap()
 }
 
-/// Follows a heavy ball among lighter ones for so many frames.
-fn assert_that_none_sinks_and_few_events_are_needed(mut simulation: Simulation, frames: u32, name: &str) {
+/// Follows a heavy ball among lighter ones for six seconds.
+fn assert_that_none_sinks_and_few_events_are_needed(mut simulation: Simulation, name: &str) {
     let mut before = energy(&simulation);
     let heaviest = simulation.balls().iter().map(Ball::mass).fold(0.0, f64::max);
     let scale = kinetic_energy(simulation.balls()) + heaviest * EARTH * 720.0;
-    for frame in 0..frames {
+    for frame in 0..360 {
         simulation.advance(1.0 / 60.0).unwrap();
         let (deepest, now) = (overlap(&simulation), energy(&simulation));
         assert!(deepest < 1e-4, "{name}: {deepest} of a radius in frame {frame}");
@@ -331,7 +331,7 @@ fn elastic_balls_between_walls_that_take_energy_have_few_events_and_never_lie_in
     {
         let name = format!("{count}, {mass}, {walls}");
         let simulation = among_lighter_ones(count, mass, 1.0, walls, seed);
-        assert_that_none_sinks_and_few_events_are_needed(simulation, 360, &name);
+        assert_that_none_sinks_and_few_events_are_needed(simulation, &name);
     }
 }
 
@@ -352,7 +352,7 @@ fn an_elastic_ball_hops_on_an_elastic_one_for_ever_unless_walls_take_energy() {
     }
 }
 
-/// Elastic balls in a box of 4000 x 2000 with these walls: radius, place, velocity and mass of each, along a line.
+/// Elastic balls in a box of 4000 x 2000 with these walls: place, velocity and mass of each, along a line.
 fn on_a_line(walls: f64, gravity: DVec2, balls: &[(f64, f64, f64)]) -> Simulation {
     let world = World::new(DVec2::new(4000.0, 2000.0)).and_then(|world| world.with_walls(walls)).unwrap();
     let world = if gravity == DVec2::ZERO { world } else { world.with_gravity(gravity).unwrap() };
@@ -390,13 +390,13 @@ fn elastic_balls_chatter_without_loss_however_dull_walls_are_that_they_do_not_hi
 /// All of the energy was lost where the light ball was so near the wall that it hit it thirty times and more in a moment.
 #[test]
 fn a_heavy_ball_drives_a_light_one_against_a_nearly_elastic_wall_and_comes_back() {
-    for (mass, walls, least) in [(300.0, 0.999, 0.9), (1e4, 0.99999, 0.9)] {
+    for (mass, walls) in [(300.0, 0.999), (1e4, 0.99999)] {
         let balls = [(3990.0 - 1e-6, 0.0, 1.0), (3900.0, 300.0, mass)];
         let mut simulation = on_a_line(walls, DVec2::ZERO, &balls);
         let start = energy(&simulation);
         simulation.advance(1.0).unwrap();
         let left = energy(&simulation) / start;
-        assert!((least..=1.0 + 1e-12).contains(&left), "{mass}, {walls}: {left}");
+        assert!((0.9..=1.0 + 1e-12).contains(&left), "{mass}, {walls}: {left}");
         assert!(simulation.balls()[1].velocity().x < 0.0);
     }
 }
@@ -407,7 +407,7 @@ fn a_ball_of_a_million_times_the_mass_is_stopped_on_those_that_it_crushes_in_few
     for (restitution, walls, seed) in [(0.5, 0.5, 2), (0.0, 0.5, 12), (0.9, 0.0, 7)] {
         let simulation = among_lighter_ones(20, 1e6, restitution, walls, seed);
         let name = format!("restitution {restitution}, of walls {walls}");
-        assert_that_none_sinks_and_few_events_are_needed(simulation, 360, &name);
+        assert_that_none_sinks_and_few_events_are_needed(simulation, &name);
     }
 }
 

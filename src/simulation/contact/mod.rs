@@ -349,9 +349,10 @@ impl Contact {
         if searched {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
         }
-        setting.grounded = setting.has_fixed || near.beside().next().is_some();
+        let grounded = setting.has_fixed || near.beside().next().is_some();
+        let landed = std::mem::replace(&mut setting.grounded, grounded) != grounded;
         let presses = setting.can_rest && setting.kick != DVec2::ZERO;
-        if (self.weigh_balls(searched) || searched) && presses {
+        if (self.weigh_balls(searched, landed) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
             self.take_back_thrown();
         }

@@ -32,8 +32,6 @@ const LEVEL: f64 = 2.0 / 3.0;
 /// Which balls weigh what.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Weights {
-    /// Whether anything may carry balls.
-    grounded: bool,
     /// In what any two are unlike, wherever they are.
     possible: Unlike,
     /// In what any ball is unlike those around it.
@@ -50,9 +48,9 @@ pub(super) struct Weights {
 }
 
 impl Contact {
-    /// Finds which balls are unlike those around them, and what balls weigh where they are held, where pairs were searched or that
-    /// was long ago. Whether any weighs something else than before.
-    pub(super) fn weigh_balls(&mut self, searched: bool) -> bool {
+    /// Finds which balls are unlike those around them, and what balls weigh where they are held, where pairs were `searched`, what may
+    /// carry balls has come or gone (`landed`), or that was long ago. Whether any weighs something else than before.
+    pub(super) fn weigh_balls(&mut self, searched: bool, landed: bool) -> bool {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return false };
         let before = near.weights.possible;
         if searched {
@@ -60,7 +58,6 @@ impl Contact {
             let presses = setting.kick != DVec2::ZERO;
             near.weights.possible = if presses { Unlike::among(bodies, rests) } else { Unlike::Nothing };
         }
-        let landed = std::mem::replace(&mut near.weights.grounded, setting.grounded) != setting.grounded;
         if !searched && !landed && !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
             return false;
         }

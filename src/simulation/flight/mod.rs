@@ -182,7 +182,7 @@ impl Pair {
         let meets = if b < 0.0 { self.approaches(b) } else { self.stays_inside() };
         if meets {
             0.0
-        } else if self.dull > 0.0 && (Self { dull: 0.0, ..self }).approaches(b) {
+        } else if self.approaches_faster_than(0.0, b) {
             SUNK * self.reach * self.offset.length() / -b
         } else {
             NEVER
@@ -197,10 +197,15 @@ impl Pair {
         parting < self.slow.min(0.5 * least_parting(length, self.reach))
     }
 
-    /// Whether the scalar product `b` of offset and velocity is an approach, not the rounding of none.
+    /// Whether the scalar product `b` of offset and velocity is an approach that counts.
     fn approaches(&self, b: f64) -> bool {
+        self.approaches_faster_than(self.dull, b)
+    }
+
+    /// Whether it is one at more than this, px/s, not the rounding of that.
+    fn approaches_faster_than(&self, least: f64, b: f64) -> bool {
         let speed = self.own.length() + (self.own + self.velocity).length() + SLOWEST;
-        b < -(BLUR * speed + self.dull) * self.offset.length()
+        b < -(BLUR * speed + least) * self.offset.length()
     }
 }
 
@@ -351,11 +356,13 @@ mod tests {
             |speed: f64| Pair { dull: 2.0, ..pair(DVec2::new(0.0, -10.0), DVec2::new(0.0, speed), 10.0) };
         // By the 1e-4 px that are the hundred-thousandth part of the distance at which they touch.
         assert_eq!([3.0, 1.0, 0.0, -1.0].map(|speed| without_room(speed).meet()), [0.0, 1e-4, NEVER, NEVER]);
-        // Pressed together, it comes to that at rest, too: ½at².
-        let at_rest =
-            |pull: f64, limit: f64| without_room(0.0).meet_accelerated(DVec2::new(0.0, pull), limit);
-        assert!((at_rest(200.0, NEVER) - 1e-3).abs() < 1e-15);
-        assert_eq!([at_rest(200.0, 9e-4), at_rest(-200.0, NEVER)], [NEVER; 2]);
+        // Pressed together, it comes to that at rest, too, whatever rounding puts between them: ½at².
+        for gap in [0.0, 4e-15, -4e-15] {
+            let pair = Pair { offset: DVec2::new(0.0, -10.0 - gap), ..without_room(0.0) };
+            let at_rest = |pull: f64, limit: f64| pair.meet_accelerated(DVec2::new(0.0, pull), limit);
+            assert!((at_rest(200.0, NEVER) - 1e-3).abs() < 1e-15, "{gap}");
+            assert_eq!([at_rest(200.0, 9e-4), at_rest(-200.0, NEVER)], [NEVER; 2], "{gap}");
+        }
     }
 
     #[test]
