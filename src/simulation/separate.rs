@@ -13,11 +13,18 @@ use super::within;
 use super::world::{Pairs, World};
 
 /// Sweeps over all pairs that overlap, at most, where a wall has moved by a step, and at the end: what is not apart by then
-/// is left to the solver.
+/// is left to the solver. Of more balls there are fewer sweeps, down to the last number.
 const SWEEPS_OF_STEP: u32 = 8;
-const SWEEPS: u32 = 64;
+const SWEEPS: u32 = 256;
+const FEWEST_SWEEPS: u32 = 64;
+/// So many balls are swept over at the end in all, at most, unless that would be fewer sweeps than that.
+const SWEPT: usize = 640_000;
 /// In so many of the first, what is behind gives way to what is nearer to the walls; then each of a pair goes half of the way.
 const DIRECTED: u32 = 16;
+/// After so many, balls do not give way straight on any more, but to the side, too, by this part of that: a row between two walls
+/// has no room along itself, and never would leave it.
+const STRAIGHT: u32 = 2;
+const ASIDE: f64 = 0.3;
 /// A wall moves in steps of the smallest radius, but in so many at most.
 const STEPS: f64 = 128.0;
 /// Balls are apart where they overlap by less than this part of the distance at which they touch: solvers take that for
@@ -50,7 +57,7 @@ pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way
             ball.position = inside;
         }
         if pushed && gives_way {
-            take_apart_in(&world, balls, if step == steps { SWEEPS } else { SWEEPS_OF_STEP });
+            take_apart_in(&world, balls, if step == steps { most_sweeps(balls) } else { SWEEPS_OF_STEP });
         }
     }
 }
@@ -78,8 +85,13 @@ pub(super) fn bring_strays_in(world: &World, balls: &mut [Ball], solver: Solver)
 /// Moves balls that overlap apart, none of them through a wall, as far as there is room; fixed ones stay.
 pub(super) fn take_apart(world: &World, balls: &mut [Ball]) {
     if has_room(world, balls) {
-        take_apart_in(world, balls, SWEEPS);
+        take_apart_in(world, balls, most_sweeps(balls));
     }
+}
+
+/// How many sweeps there are over these balls at most.
+fn most_sweeps(balls: &[Ball]) -> u32 {
+    ((SWEPT / balls.len().max(1)) as u32).clamp(FEWEST_SWEEPS, SWEEPS)
 }
 
 /// Whether the world may hold these balls without overlaps.
@@ -113,23 +125,27 @@ fn take_apart_in(world: &World, balls: &mut [Ball], sweeps: u32) {
         pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         // What is between two that are both nearer to the walls would be moved to and fro for ever.
         let share = if sweep < DIRECTED { 1.0 } else { 0.5 };
-        let parted =
-            pairs.iter().filter(|&&(_, near, behind)| part(world, balls, near, behind, share)).count();
+        let aside = if sweep < STRAIGHT { 0.0 } else { ASIDE };
+        let parts =
+            |&&(_, near, behind): &&(f64, usize, usize)| part(world, balls, (near, behind), share, aside);
+        let parted = pairs.iter().filter(parts).count();
         if parted == 0 {
             return;
         }
     }
 }
 
-/// Moves two balls apart: the one behind by its share, if it can be, and the one nearer to the walls by the rest. Whether they
-/// overlapped.
-fn part(world: &World, balls: &mut [Ball], near: usize, behind: usize, share: f64) -> bool {
+/// Moves two balls apart, a part of that to the side: the one behind by its share, and towards the middle of the world, if it can
+/// be, and the one nearer to the walls by the rest. Whether they overlapped.
+fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share: f64, aside: f64) -> bool {
     let offset = balls[behind].position - balls[near].position;
     let (distance, reach) = (offset.length(), balls[near].radius + balls[behind].radius);
     if distance >= (1.0 - APART) * reach || (balls[near].is_fixed() && balls[behind].is_fixed()) {
         return false;
     }
-    let way = if distance > 0.0 { offset / distance } else { any_offset(near, behind, 1.0) };
+    let straight = if distance > 0.0 { offset / distance } else { any_offset(near, behind, 1.0) };
+    let inward = (0.5 * world.size - balls[behind].position).dot(straight.perp());
+    let way = (straight + straight.perp() * aside.copysign(inward)).normalize();
     let mut left = reach - distance + FARTHER * reach;
     for (index, way, share) in [(behind, way, share), (near, -way, 1.0), (behind, way, 1.0)] {
         let ball = &mut balls[index];
@@ -200,6 +216,20 @@ mod tests {
         let mut left = begun;
         assert!(!bring_strays_in(&world, &mut left, Solver::Canvas));
         assert_eq!(left, begun);
+    }
+
+    #[test]
+    fn a_row_that_a_wall_is_too_long_for_gives_way_to_the_side() {
+        // The last of ten on the floor is brought in where the row before was full, each time.
+        let mut balls: Vec<Ball> = (0..10).map(|k| ball(11.0 + 22.0 * f64::from(k), 290.0, 10.0)).collect();
+        for width in (160..220).rev().step_by(2) {
+            let from = DVec2::new(f64::from(width + 2), 300.0);
+            let world = world(f64::from(width), 300.0);
+            bring_in(&world, from, &mut balls, true);
+            let deepest = overlap(&world, &balls);
+            assert!(deepest < 1e-8, "{width} px wide: {deepest}");
+        }
+        assert!(balls.iter().all(|ball| ball.position.y > 240.0), "no higher than they must: {balls:?}");
     }
 
     #[test]
