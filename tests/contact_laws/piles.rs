@@ -180,3 +180,28 @@ fn gravity_however_strong_gives_no_energy() {
         assert!(least < 0.5 * start);
     }
 }
+
+/// So many balls of radius 5 in rows and columns, above the middle of a floor three times as wide.
+fn equal_balls(count: u32, seed: u64) -> Simulation {
+    let columns = f64::from(count).sqrt().ceil();
+    let (pitch, mut number) = (10.5, numbers::random(seed));
+    let balls = (0..count).map(|k| {
+        let place = DVec2::new(columns + f64::from(k) % columns, columns + (f64::from(k) / columns).floor());
+        let (x, y) = (pitch * place.x + 0.2 * number(), pitch * place.y + 0.2 * number());
+        ball(x, y, 5.0).with_restitution(0.3).unwrap()
+    });
+    let size = 3.0 * columns * pitch;
+    simulation(world(size, size, 0.3).with_gravity(EARTH).unwrap(), balls.collect())
+}
+
+/// They were driven into rows on the floor that had no room for them, and some lay in each other for a minute, by up to two radii.
+#[test]
+fn equal_balls_that_crash_on_a_wide_floor_come_to_rest_beside_each_other() {
+    for seed in 1..=4 {
+        let mut crash = equal_balls(3000, seed);
+        crash.advance(8.0).unwrap();
+        assert!(overlap(&crash) < 0.06, "seed {seed}: {}", overlap(&crash));
+        crash.advance(12.0).unwrap();
+        assert_eq!(fastest(&crash), 0.0, "seed {seed}");
+    }
+}

@@ -16,7 +16,8 @@
 //!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from gaining energy
 //!    by what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they
 //!    have parted (`energy`, `islands`, `parting`), and those that were thrown by what holds them are let go of (`thrown`);
-//! 6. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
+//! 6. those of a row along a wall that has no room for them are moved off it (`rows`);
+//! 7. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
 //! `legs`).
@@ -52,6 +53,7 @@ mod parting;
 mod prepare;
 mod rewind;
 mod room;
+mod rows;
 mod show;
 mod sleep;
 mod stripe_turn;
@@ -82,6 +84,7 @@ use layout::{Layer, Layout};
 use near::Near;
 use parting::Parting;
 use room::Room;
+use rows::Rows;
 use show::{Held, Start};
 use sleep::Rest;
 use substeps::{Softness, Substeps};
@@ -166,6 +169,7 @@ pub(super) struct Contact {
     course: Course,
     room: Room,
     parting: Parting,
+    rows: Rows,
     /// Where contacts are only shown.
     shown: Option<Grid>,
     /// What happened to each body since the last frame.
@@ -207,6 +211,7 @@ impl Contact {
             course: Course::default(),
             room: Room::default(),
             parting: Parting::new(),
+            rows: Rows::default(),
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
             hit: vec![false; balls.len()],
             steps: 0,
@@ -275,6 +280,7 @@ impl Contact {
         if self.late > 0.0 {
             (self.setting.substep, self.late) = (self.substeps.seconds(), 0.0);
         }
+        self.part_rows();
         self.look_for_calm();
         self.fall_asleep();
     }

@@ -26,7 +26,7 @@ const DRIFT: f64 = 0.25;
 /// leans on others may hop on them for ever in every other substep. (One was seen to, 1.3 kicks fast, by 0.0002 of its radius.)
 const HOP: f64 = 2.0;
 /// A ball that overlaps another by more than this part of the smaller radius is not at rest.
-const DEEP: f64 = 0.05;
+pub(super) const DEEP: f64 = 0.05;
 /// What swings may be where it was when the window ends, but not after so many eighths of it, too.
 const EIGHTHS: u64 = 3;
 /// A ball that has had no rest when this was looked at so often wakes those that hold it.
@@ -213,10 +213,7 @@ impl Contact {
             }
             rests[at].restless = 0;
             for other in stripes.holders(at).map(|holder| holder.other).collect::<Vec<_>>() {
-                if rests[other].asleep {
-                    let given = stripes.given(other, rests[other].counted);
-                    wake_after_substep(other, &given, setting.kick, bodies, rests, stripes);
-                }
+                wake_if_asleep(other, setting.kick, bodies, rests, stripes);
             }
         }
         self.wake_unbalanced();
@@ -257,6 +254,20 @@ impl Contact {
 pub(super) fn tolerance(kick: DVec2, pressed: f64) -> f64 {
     let weight = kick.length();
     WEIGHT * weight + PRESS * (pressed - weight).max(0.0)
+}
+
+/// Wakes a ball, once a substep is over, if it sleeps. Its pairs must be linked.
+pub(super) fn wake_if_asleep(
+    at: usize,
+    kick: DVec2,
+    bodies: &mut [Body],
+    rests: &mut [Rest],
+    stripes: &mut Stripes<'_>,
+) {
+    if rests[at].asleep {
+        let given = stripes.given(at, rests[at].counted);
+        wake_after_substep(at, &given, kick, bodies, rests, stripes);
+    }
 }
 
 /// Wakes a ball, at rest, once a substep is over, as if it had been held like this in it.

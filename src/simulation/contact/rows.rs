@@ -1,0 +1,217 @@
+//! Rows of balls along a wall that are longer than the room that they have.
+//!
+//! In a crash balls are driven in between others that cannot give way so soon. Equal ones lie on one line then, along which what
+//! would part them cancels: however hard they are pressed, none is ever pushed off the wall, and two may lie in one place. So one
+//! of two that lie deep in each other is moved off the wall, a little in each substep, until what presses on it pushes it
+//! out of the row, as a bar that is pressed too hard buckles (Euler 1744).
+
+use glam::DVec2;
+
+use super::near::Near;
+use super::sleep::{DEEP, Rest, wake_if_asleep};
+use super::{Body, Contact, Setting};
+
+/// Whether any row is too long is looked at after so many of the shortest substeps; and then in each until none is.
+const PERIOD: u64 = 30;
+/// A ball is in the row where it is no farther from the wall than this part of its radius.
+const OFF: f64 = 0.5;
+/// Balls press on each other where they are no farther apart than this part of the smaller radius.
+const APART: f64 = 1e-3;
+/// A ball is moved off the wall at this part of the speed with which overlaps are taken away at most. With half of that, what lies on
+/// it keeps it down.
+const LIFTED: f64 = 0.6;
+
+/// Rows of balls along walls.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Rows {
+    /// Whether any ball was found squeezed when that was last looked at.
+    squeezed: bool,
+    /// The row that is looked at, and the bodies that are to be moved off their walls.
+    row: Vec<Link>,
+    lifted: Vec<(usize, Wall)>,
+}
+
+/// A wall, by the axis that it is across, at its high or its low end.
+#[derive(Debug, Clone, Copy)]
+struct Wall {
+    axis: usize,
+    high: bool,
+}
+
+/// A ball of a row.
+#[derive(Debug, Clone, Copy)]
+struct Link {
+    at: usize,
+    place: DVec2,
+    radius: f64,
+    moves: bool,
+}
+
+impl Contact {
+    /// Moves balls off walls along which they are squeezed.
+    pub(super) fn part_rows(&mut self) {
+        let Self { setting, bodies, rests, near: Some(near), substeps, steps, rows, .. } = self else {
+            return;
+        };
+        let looks = rows.squeezed || steps.is_multiple_of(PERIOD * substeps.shortest());
+        if !looks || setting.walls.is_none() || setting.kick == DVec2::ZERO {
+            return;
+        }
+        let Rows { squeezed, row, lifted } = rows;
+        lifted.clear();
+        for wall in Wall::ALL {
+            wall.find_row(setting, bodies, rests, near, row);
+            lifted.extend(wall.squeezed(setting, row).map(|at| (at, wall)));
+        }
+        *squeezed = !lifted.is_empty();
+        if lifted.is_empty() {
+            return;
+        }
+        near.link_pairs(bodies.len());
+        let stripes = &mut near.all();
+        for &(at, wall) in &*lifted {
+            let around: Vec<_> = stripes.around(at).collect();
+            for ball in std::iter::once(at).chain(around) {
+                wake_if_asleep(ball, setting.kick, bodies, rests, stripes);
+            }
+            let body = &mut bodies[at];
+            body.position += wall.inward() * (LIFTED * setting.mending * setting.substep * 2.0 * body.radius);
+        }
+        self.wake_unbalanced();
+    }
+}
+
+impl Wall {
+    const ALL: [Self; 4] = [
+        Self { axis: 0, high: false },
+        Self { axis: 0, high: true },
+        Self { axis: 1, high: false },
+        Self { axis: 1, high: true },
+    ];
+
+    /// The direction away from it.
+    fn inward(self) -> DVec2 {
+        let away = if self.high { -1.0 } else { 1.0 };
+        if self.axis == 0 { DVec2::new(away, 0.0) } else { DVec2::new(0.0, away) }
+    }
+
+    /// How far away a place is, px.
+    fn distance(self, setting: &Setting, place: DVec2) -> f64 {
+        let along = place[self.axis];
+        if self.high { setting.size[self.axis] - along } else { along }
+    }
+
+    /// Finds the balls along it, in their order.
+    fn find_row(self, setting: &Setting, bodies: &[Body], rests: &[Rest], near: &Near, row: &mut Vec<Link>) {
+        row.clear();
+        let links = near.beside().map(|(at, _)| {
+            let Body { position, radius, .. } = bodies[at];
+            // What is unlike those around it may bear many times what it weighs, and would lift that, too.
+            let moves = rests[at].own > 0.0 && !rests[at].unlike.differs();
+            Link { at, place: position, radius, moves }
+        });
+        row.extend(links.filter(|link| self.distance(setting, link.place) < (1.0 + OFF) * link.radius));
+        let along = 1 - self.axis;
+        row.sort_unstable_by(|one, other| {
+            one.place[along].total_cmp(&other.place[along]).then(one.at.cmp(&other.at))
+        });
+    }
+
+    /// Those of its row that are to be moved: of two that lie deep in each other the one farther off, which is pressed from its
+    /// other side, too, and none beside another one.
+    fn squeezed(self, setting: &Setting, row: &[Link]) -> impl Iterator<Item = usize> {
+        let along = 1 - self.axis;
+        let gap = |one: &Link, other: &Link| {
+            let apart = one.place.distance(other.place) - one.radius - other.radius;
+            apart / one.radius.min(other.radius)
+        };
+        // What is before the first and behind the last is a wall.
+        let before = move |k: usize| match k.checked_sub(1) {
+            Some(before) => gap(&row[before], &row[k]),
+            None => row[k].place[along] / row[k].radius - 1.0,
+        };
+        let behind = move |k: usize| match row.get(k + 1) {
+            Some(behind) => gap(&row[k], behind),
+            None => (setting.size[along] - row[k].place[along]) / row[k].radius - 1.0,
+        };
+        let mut last = None;
+        (1..row.len()).filter_map(move |second| {
+            let first = second - 1;
+            if before(second) > -DEEP || last == Some(first) {
+                return None;
+            }
+            let first_may =
+                row[first].moves && before(first) < APART && (first == 0 || last != Some(first - 1));
+            let second_may = row[second].moves && behind(second) < APART;
+            let far = |k: usize| self.distance(setting, row[k].place) - row[k].radius;
+            let moved = match (first_may, second_may) {
+                (true, true) if far(second) > far(first) => second,
+                (true, _) => first,
+                (false, true) => second,
+                (false, false) => return None,
+            };
+            last = Some(moved);
+            Some(row[moved].at)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::ball::Ball;
+    use super::super::super::world::{Pairs, World};
+    use super::super::{Tally, Tuning};
+    use super::*;
+
+    /// Balls of radius 10 on the floor of a box of this width, at these places along it.
+    fn lying(width: f64, along: &[f64]) -> Contact {
+        let world =
+            World::new(DVec2::new(width, 400.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
+        let ball = |&x: &f64| Ball::new(DVec2::new(x, 390.0), 10.0).unwrap();
+        let balls: Vec<Ball> = along.iter().map(ball).collect();
+        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
+        Contact::new(&world, &balls, tuning)
+    }
+
+    /// How far the balls are off the floor after a substep, by their order along it.
+    fn off_floor(mut contact: Contact) -> Vec<f64> {
+        contact.step(&mut Tally::default());
+        contact.rows.squeezed = true;
+        contact.part_rows();
+        let mut balls: Vec<_> = contact.bodies.iter().map(|body| body.position).collect();
+        balls.sort_by(|one, other| one.x.total_cmp(&other.x));
+        balls.iter().map(|place| 390.0 - place.y).collect()
+    }
+
+    #[test]
+    fn of_a_row_that_has_no_room_every_other_ball_is_moved_off_the_wall() {
+        let along: Vec<f64> = (0..6).map(|k| 10.0 + 18.0 * f64::from(k)).collect();
+        let off = off_floor(lying(110.0, &along));
+        assert!(off.iter().step_by(2).all(|&off| off > 0.1), "{off:?}");
+        assert!(off.iter().skip(1).step_by(2).all(|&off| off.abs() < 1e-9), "{off:?}");
+    }
+
+    #[test]
+    fn balls_with_room_beside_them_stay_on_the_wall_however_deep_they_lie_in_each_other() {
+        let off = off_floor(lying(400.0, &[100.0, 108.0, 250.0, 270.0, 290.0]));
+        assert!(off.iter().all(|&off| off.abs() < 1e-9), "{off:?}");
+    }
+
+    #[test]
+    fn equal_balls_on_a_floor_that_is_too_short_for_all_come_to_rest_on_each_other() {
+        // Sixty, of which fifty have room: more than few.
+        let along: Vec<f64> = (0..60).map(|k| 10.0 + 980.0 / 59.0 * f64::from(k)).collect();
+        let mut contact = lying(1000.0, &along);
+        while contact.steps < 10 * u64::from(contact.substeps.rate) {
+            contact.step(&mut Tally::default());
+        }
+        assert!(contact.all_asleep);
+        let deepest =
+            contact.near.as_ref().unwrap().pairs().map(|(one, other)| {
+                20.0 - contact.bodies[one].position.distance(contact.bodies[other].position)
+            });
+        let deepest = deepest.fold(0.0, f64::max);
+        assert!(deepest < 0.5, "{deepest}");
+    }
+}
