@@ -183,6 +183,24 @@ fn a_crowd_that_bursts_keeps_its_momentum_and_its_centre_its_way() {
     }
 }
 
+/// What others lack, or gain too much of, is theirs alone.
+#[test]
+fn a_ball_that_flies_far_from_others_follows_its_parabola_whatever_these_do() {
+    let alone = moving(ball(3000.0, 200.0, 8.0), 40.0, -70.0);
+    let (mut balls, gravity) = (inward(400, (60.0, 0.0), (4.0, 12.0), 0.0, 1), EARTH);
+    balls.push(alone);
+    let mut burst = falling(balls, gravity.y);
+    for frame in 1..=60 {
+        burst.advance(FRAME).unwrap();
+        let time = FRAME * f64::from(frame);
+        let law = alone.position() + alone.velocity() * time + 0.5 * gravity * time * time;
+        let off = burst.balls()[400].position().distance(law);
+        assert!(off < 1e-9 * law.length(), "frame {frame}: {off} px");
+        let off = burst.balls()[400].velocity().distance(alone.velocity() + gravity * time);
+        assert!(off < 1e-9 * law.length(), "frame {frame}: {off} px/s");
+    }
+}
+
 /// So many that they are in stripes: what an impact across their edges gave one of two balls stayed where it was taken back.
 #[test]
 fn thousands_that_fly_into_each_other_keep_their_momentum_and_their_centre_its_parabola() {

@@ -40,3 +40,19 @@ fn a_ball_that_slides_off_a_dome_keeps_its_energy_and_leaves_it_where_it_should(
         }
     }
 }
+
+/// The grip that lets large piles come to rest would take a twentieth of it.
+#[test]
+fn a_ball_that_slides_off_one_that_can_move_keeps_their_energy_where_there_are_few() {
+    let dome = ball(2000.0, 3800.0, 200.0).with_mass(1e4).unwrap().with_restitution(0.0).unwrap();
+    let sliding = ball(2000.0, 3580.0, 20.0).with_restitution(0.0).unwrap();
+    let balls = vec![moving(sliding, 60.0, 0.0), dome];
+    let mut slide = simulation(world(4000.0, 4000.0, 0.0).with_gravity(EARTH).unwrap(), balls);
+    let height = |slide: &Simulation| slide.balls()[0].position().y;
+    while height(&slide) < 3580.0 + 150.0 {
+        slide.advance(1.0 / 240.0).unwrap();
+    }
+    let fallen = 2.0 * EARTH.y * (height(&slide) - 3580.0) + 60.0 * 60.0;
+    let kept = slide.balls()[0].velocity().length_squared() / fallen;
+    assert!((kept - 1.0).abs() < 0.03, "{kept} of it is left");
+}
