@@ -18,7 +18,7 @@ const SWEEPS_OF_STEP: u32 = 8;
 const SWEEPS: u32 = 256;
 const FEWEST_SWEEPS: u32 = 64;
 /// So many balls are swept over at the end in all, at most, unless that would be fewer sweeps than that.
-const SWEPT: usize = 640_000;
+const SWEPT: usize = 160_000;
 /// In so many of the first, what is behind gives way to what is nearer to the walls; then each of a pair goes half of the way.
 const DIRECTED: u32 = 16;
 /// After so many, balls do not give way straight on any more, but to the side, too, by this part of that: a row between two walls
@@ -135,8 +135,8 @@ fn take_apart_in(world: &World, balls: &mut [Ball], sweeps: u32) {
     }
 }
 
-/// Moves two balls apart, a part of that to the side: the one behind by its share, and towards the middle of the world, if it can
-/// be, and the one nearer to the walls by the rest. Whether they overlapped.
+/// Moves two balls apart, a part of that to the side, towards the middle of the world: the one behind by its share, if it can be,
+/// and the one nearer to the walls by the rest. Whether they overlapped.
 fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share: f64, aside: f64) -> bool {
     let offset = balls[behind].position - balls[near].position;
     let (distance, reach) = (offset.length(), balls[near].radius + balls[behind].radius);
@@ -144,11 +144,13 @@ fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share
         return false;
     }
     let straight = if distance > 0.0 { offset / distance } else { any_offset(near, behind, 1.0) };
-    let inward = (0.5 * world.size - balls[behind].position).dot(straight.perp());
-    let way = (straight + straight.perp() * aside.copysign(inward)).normalize();
     let mut left = reach - distance + FARTHER * reach;
-    for (index, way, share) in [(behind, way, share), (near, -way, 1.0), (behind, way, 1.0)] {
+    for (index, straight, share) in
+        [(behind, straight, share), (near, -straight, 1.0), (behind, straight, 1.0)]
+    {
         let ball = &mut balls[index];
+        let inward = (0.5 * world.size - ball.position).dot(straight.perp());
+        let way = (straight + straight.perp() * aside.copysign(inward)).normalize();
         if !ball.is_fixed() && left > 0.0 {
             let (from, to) = (ball.position, ball.position + way * (share * left));
             ball.position = if world.walls.is_some() { within(to, ball.radius, world.size) } else { to };

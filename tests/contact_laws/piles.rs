@@ -194,7 +194,7 @@ fn equal_balls(count: u32, seed: u64) -> Simulation {
     simulation(world(size, size, 0.3).with_gravity(EARTH).unwrap(), balls.collect())
 }
 
-/// They were driven into rows on the floor that had no room for them, and some lay in each other for a minute, by up to two radii.
+/// They were driven into rows on the floor that had no room for them. Of 5,000 some lay in each other for a minute, by two radii.
 #[test]
 fn equal_balls_that_crash_on_a_wide_floor_come_to_rest_beside_each_other() {
     for seed in 1..=4 {

@@ -7,7 +7,7 @@
 //! again. So those that become faster by what holds them take together no more than it takes from others. Where nothing
 //! carries any, they keep their momentum: those that hold each other move against each other with no more energy than they
 //! would. Impacts see to their own energy. Where something carries balls, all share one account: which of them it carries is
-//! not looked for.
+//! not looked for. What is moved off a wall along which it is squeezed (`rows`) is none of it.
 
 use glam::DVec2;
 

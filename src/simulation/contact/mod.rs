@@ -16,7 +16,7 @@
 //!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from gaining energy
 //!    by what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they
 //!    have parted (`energy`, `islands`, `parting`), and those that were thrown by what holds them are let go of (`thrown`);
-//! 6. those of a row along a wall that has no room for them are moved off it (`rows`);
+//! 6. those of a row along a wall that has no room for them are moved off it, with what energy that takes (`rows`);
 //! 7. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
 //! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,

@@ -7,25 +7,39 @@
 
 use glam::DVec2;
 
+use super::super::lesser::lesser;
+use super::super::within;
 use super::near::Near;
 use super::sleep::{DEEP, Rest, wake_if_asleep};
 use super::{Body, Contact, Setting};
 
-/// Whether any row is too long is looked at after so many of the shortest substeps; and then in each until none is.
-const PERIOD: u64 = 30;
+/// Whether any row is too long is looked at after so many of the shortest substeps, eight beats; and then in each until none is, ...
+const PERIOD: u64 = 32;
+/// ... or so many are over: there may be no room above it either. Then it waits as long, and twice as long each time after, so
+/// that what cannot part comes to rest.
+const PATIENCE: u64 = 960;
+/// ... but no more than so many times twice as long.
+const DOUBLINGS: u32 = 16;
 /// A ball is in the row where it is no farther from the wall than this part of its radius.
 const OFF: f64 = 0.5;
 /// Balls press on each other where they are no farther apart than this part of the smaller radius.
 const APART: f64 = 1e-3;
 /// A ball is moved off the wall at this part of the speed with which overlaps are taken away at most. With half of that, what lies on
-/// it keeps it down.
+/// it keeps it down. By no more than it may overlap others in a substep.
 const LIFTED: f64 = 0.6;
+/// Where the opposite wall is no farther away than this, in radii, there is no other way to go.
+const NARROW: f64 = 4.0;
 
 /// Rows of balls along walls.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Rows {
     /// Whether any ball was found squeezed when that was last looked at.
     squeezed: bool,
+    /// In how many substeps balls were moved since none was squeezed, or since the last wait.
+    tries: u64,
+    /// How often that was in vain, and until which step it waits.
+    waits: u32,
+    until: u64,
     /// The row that is looked at, and the bodies that are to be moved off their walls.
     row: Vec<Link>,
     lifted: Vec<(usize, Wall)>,
@@ -50,21 +64,30 @@ struct Link {
 impl Contact {
     /// Moves balls off walls along which they are squeezed.
     pub(super) fn part_rows(&mut self) {
-        let Self { setting, bodies, rests, near: Some(near), substeps, steps, rows, .. } = self else {
+        // What flies through others is squeezed by none.
+        let Self { setting, bodies, rests, near: Some(near), substeps, steps, rows, pairs: true, .. } = self
+        else {
             return;
         };
         let looks = rows.squeezed || steps.is_multiple_of(PERIOD * substeps.shortest());
-        if !looks || setting.walls.is_none() || setting.kick == DVec2::ZERO {
+        if !looks || *steps < rows.until || setting.walls.is_none() || setting.kick == DVec2::ZERO {
             return;
         }
-        let Rows { squeezed, row, lifted } = rows;
+        let Rows { squeezed, tries, waits, until, row, lifted } = rows;
         lifted.clear();
         for wall in Wall::ALL {
             wall.find_row(setting, bodies, rests, near, row);
             lifted.extend(wall.squeezed(setting, row).map(|at| (at, wall)));
         }
         *squeezed = !lifted.is_empty();
-        if lifted.is_empty() {
+        if !*squeezed {
+            (*tries, *waits) = (0, 0);
+            return;
+        }
+        *tries += 1;
+        if *tries > PATIENCE {
+            *until = *steps + (PATIENCE << *waits) * substeps.shortest();
+            (*squeezed, *tries, *waits) = (false, 0, (*waits + 1).min(DOUBLINGS));
             return;
         }
         near.link_pairs(bodies.len());
@@ -75,7 +98,8 @@ impl Contact {
                 wake_if_asleep(ball, setting.kick, bodies, rests, stripes);
             }
             let body = &mut bodies[at];
-            body.position += wall.inward() * (LIFTED * setting.mending * setting.substep * 2.0 * body.radius);
+            let far = lesser(LIFTED * setting.mending * setting.substep * 2.0, DEEP) * body.radius;
+            body.position = within(body.position + wall.inward() * far, body.radius, setting.size);
         }
         self.wake_unbalanced();
     }
@@ -107,7 +131,8 @@ impl Wall {
         let links = near.beside().map(|(at, _)| {
             let Body { position, radius, .. } = bodies[at];
             // What is unlike those around it may bear many times what it weighs, and would lift that, too.
-            let moves = rests[at].own > 0.0 && !rests[at].unlike.differs();
+            let narrow = setting.size[self.axis] < NARROW * radius;
+            let moves = rests[at].own > 0.0 && !rests[at].unlike.differs() && !narrow;
             Link { at, place: position, radius, moves }
         });
         row.extend(links.filter(|link| self.distance(setting, link.place) < (1.0 + OFF) * link.radius));
@@ -125,7 +150,7 @@ impl Wall {
             let apart = one.place.distance(other.place) - one.radius - other.radius;
             apart / one.radius.min(other.radius)
         };
-        // What is before the first and behind the last is a wall.
+        // What is before the first and behind the last is a wall. (Fixed balls are in no row: what is between two has walls there.)
         let before = move |k: usize| match k.checked_sub(1) {
             Some(before) => gap(&row[before], &row[k]),
             None => row[k].place[along] / row[k].radius - 1.0,
@@ -196,6 +221,66 @@ mod tests {
     fn balls_with_room_beside_them_stay_on_the_wall_however_deep_they_lie_in_each_other() {
         let off = off_floor(lying(400.0, &[100.0, 108.0, 250.0, 270.0, 290.0]));
         assert!(off.iter().all(|&off| off.abs() < 1e-9), "{off:?}");
+    }
+
+    #[test]
+    fn what_flies_through_others_stays_on_the_wall() {
+        let along: Vec<f64> = (0..6).map(|k| 10.0 + 18.0 * f64::from(k)).collect();
+        let mut contact = lying(110.0, &along);
+        contact.pairs = false;
+        let off = off_floor(contact);
+        assert!(off.iter().all(|&off| off.abs() < 1e-9), "{off:?}");
+    }
+
+    #[test]
+    fn of_two_that_are_squeezed_the_one_farther_off_the_wall_is_moved() {
+        let contact = lying(110.0, &[10.0]);
+        let link = |at: usize, x: f64, off: f64| Link {
+            at,
+            place: DVec2::new(x, 390.0 - off),
+            radius: 10.0,
+            moves: true,
+        };
+        let row = [link(0, 10.0, 0.0), link(1, 27.0, 0.0), link(2, 44.0, 2.0), link(3, 62.0, 0.0)];
+        let floor = Wall { axis: 1, high: true };
+        let moved: Vec<usize> = floor.squeezed(&contact.setting, &row[1..3]).collect();
+        assert!(moved.is_empty(), "there is room beside both: {moved:?}");
+        let setting = Setting { size: DVec2::new(71.0, 400.0), ..contact.setting };
+        assert_eq!(floor.squeezed(&setting, &row).collect::<Vec<_>>(), [0, 2]);
+        let setting = Setting { size: DVec2::new(54.0, 400.0), ..contact.setting };
+        let two = [link(0, 9.0, 0.0), link(1, 26.0, 2.0), link(2, 43.0, 0.0)];
+        assert_eq!(floor.squeezed(&setting, &two).collect::<Vec<_>>(), [1]);
+    }
+
+    #[test]
+    fn what_has_no_room_off_the_wall_either_is_moved_ever_more_seldom() {
+        // Too many between the walls, and a ceiling that is just above them.
+        let world =
+            World::new(DVec2::new(100.0, 45.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
+        let balls: Vec<Ball> = (0..14)
+            .map(|k| {
+                Ball::new(
+                    DVec2::new(10.0 + 80.0 / 6.0 * f64::from(k % 7), 10.0 + 25.0 * f64::from(k / 7)),
+                    10.0,
+                )
+            })
+            .collect::<Result<_, _>>()
+            .unwrap();
+        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
+        let mut contact = Contact::new(&world, &balls, tuning);
+        let mut moved = 0;
+        while contact.steps < 60 * u64::from(contact.substeps.rate) {
+            contact.step(&mut Tally::default());
+            moved += u64::from(contact.rows.squeezed);
+            assert!(
+                contact
+                    .bodies
+                    .iter()
+                    .all(|body| within(body.position, body.radius, world.size()) == body.position)
+            );
+        }
+        assert!(moved > 0 && moved < 6 * PATIENCE, "{moved}");
     }
 
     #[test]
