@@ -18,8 +18,8 @@ const PERIOD: u64 = 32;
 /// ... or so many are over: there may be no room above it either. Then it waits as long, and twice as long each time after, so
 /// that what cannot part comes to rest.
 const PATIENCE: u64 = 960;
-/// ... but no more than so many times twice as long.
-const DOUBLINGS: u32 = 16;
+/// ... but no more often than so many times: there may be rows elsewhere that can.
+const DOUBLINGS: u32 = 4;
 /// A ball is in the row where it is no farther from the wall than this part of its radius.
 const OFF: f64 = 0.5;
 /// Balls press on each other where they are no farther apart than this part of the smaller radius.
