@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_a_wall_is_too_long_for_gives_way_to_the_side() {
+    fn a_row_that_is_too_long_for_its_walls_gives_way_to_the_side() {
         // The last of ten on the floor is brought in where the row before was full, each time.
         let mut balls: Vec<Ball> = (0..10).map(|k| ball(11.0 + 22.0 * f64::from(k), 290.0, 10.0)).collect();
         for width in (160..220).rev().step_by(2) {

@@ -150,7 +150,7 @@ impl Wall {
             let apart = one.place.distance(other.place) - one.radius - other.radius;
             apart / one.radius.min(other.radius)
         };
-        // What is before the first and behind the last is a wall. (Fixed balls are in no row: what is between two has walls there.)
+        // What is before the first and behind the last is a wall. (Fixed balls are in no row: of two between such ones neither is moved.)
         let before = move |k: usize| match k.checked_sub(1) {
             Some(before) => gap(&row[before], &row[k]),
             None => row[k].place[along] / row[k].radius - 1.0,
