@@ -145,12 +145,10 @@ fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share
     }
     let straight = if distance > 0.0 { offset / distance } else { any_offset(near, behind, 1.0) };
     let mut left = reach - distance + FARTHER * reach;
-    for (index, straight, share) in
-        [(behind, straight, share), (near, -straight, 1.0), (behind, straight, 1.0)]
-    {
+    for (index, away, share) in [(behind, straight, share), (near, -straight, 1.0), (behind, straight, 1.0)] {
         let ball = &mut balls[index];
-        let inward = (0.5 * world.size - ball.position).dot(straight.perp());
-        let way = (straight + straight.perp() * aside.copysign(inward)).normalize();
+        let inward = (0.5 * world.size - ball.position).dot(away.perp());
+        let way = (away + away.perp() * aside.copysign(inward)).normalize();
         if !ball.is_fixed() && left > 0.0 {
             let (from, to) = (ball.position, ball.position + way * (share * left));
             ball.position = if world.walls.is_some() { within(to, ball.radius, world.size) } else { to };

@@ -25,7 +25,7 @@ const OFF: f64 = 0.5;
 /// Balls press on each other where they are no farther apart than this part of the smaller radius.
 const APART: f64 = 1e-3;
 /// A ball is moved off the wall at this part of the speed with which overlaps are taken away at most. With half of that, what lies on
-/// it keeps it down. By no more than it may overlap others in a substep.
+/// it keeps it down. In a substep by no more than is deep.
 const LIFTED: f64 = 0.6;
 /// Where the opposite wall is no farther away than this, in radii, there is no other way to go.
 const NARROW: f64 = 4.0;
@@ -33,9 +33,7 @@ const NARROW: f64 = 4.0;
 /// Rows of balls along walls.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Rows {
-    /// Whether any ball was found squeezed when that was last looked at.
-    squeezed: bool,
-    /// In how many substeps balls were moved since none was squeezed, or since the last wait.
+    /// In how many substeps in a row balls were moved.
     tries: u64,
     /// How often that was in vain, and until which step it waits.
     waits: u32,
@@ -69,25 +67,24 @@ impl Contact {
         else {
             return;
         };
-        let looks = rows.squeezed || steps.is_multiple_of(PERIOD * substeps.shortest());
+        let looks = rows.tries > 0 || steps.is_multiple_of(PERIOD * substeps.shortest());
         if !looks || *steps < rows.until || setting.walls.is_none() || setting.kick == DVec2::ZERO {
             return;
         }
-        let Rows { squeezed, tries, waits, until, row, lifted } = rows;
+        let Rows { tries, waits, until, row, lifted } = rows;
         lifted.clear();
         for wall in Wall::ALL {
             wall.find_row(setting, bodies, rests, near, row);
             lifted.extend(wall.squeezed(setting, row).map(|at| (at, wall)));
         }
-        *squeezed = !lifted.is_empty();
-        if !*squeezed {
+        if lifted.is_empty() {
             (*tries, *waits) = (0, 0);
             return;
         }
         *tries += 1;
         if *tries > PATIENCE {
             *until = *steps + (PATIENCE << *waits) * substeps.shortest();
-            (*squeezed, *tries, *waits) = (false, 0, (*waits + 1).min(DOUBLINGS));
+            (*tries, *waits) = (0, (*waits + 1).min(DOUBLINGS));
             return;
         }
         near.link_pairs(bodies.len());
@@ -115,8 +112,7 @@ impl Wall {
 
     /// The direction away from it.
     fn inward(self) -> DVec2 {
-        let away = if self.high { -1.0 } else { 1.0 };
-        if self.axis == 0 { DVec2::new(away, 0.0) } else { DVec2::new(0.0, away) }
+        DVec2::AXES[self.axis] * if self.high { -1.0 } else { 1.0 }
     }
 
     /// How far away a place is, px.
@@ -188,21 +184,29 @@ mod tests {
     use super::super::{Tally, Tuning};
     use super::*;
 
-    /// Balls of radius 10 on the floor of a box of this width, at these places along it.
-    fn lying(width: f64, along: &[f64]) -> Contact {
-        let world =
-            World::new(DVec2::new(width, 400.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+    /// Balls of radius 10 at these places in a box.
+    fn boxed(size: DVec2, places: impl Iterator<Item = DVec2>) -> Contact {
+        let world = World::new(size).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
         let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
-        let ball = |&x: &f64| Ball::new(DVec2::new(x, 390.0), 10.0).unwrap();
-        let balls: Vec<Ball> = along.iter().map(ball).collect();
+        let balls: Vec<Ball> = places.map(|place| Ball::new(place, 10.0).unwrap()).collect();
         let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
         Contact::new(&world, &balls, tuning)
+    }
+
+    /// The same on the floor of one of this width, at these places along it.
+    fn lying(width: f64, along: &[f64]) -> Contact {
+        boxed(DVec2::new(width, 400.0), along.iter().map(|&x| DVec2::new(x, 390.0)))
+    }
+
+    /// Six of them between walls that leave room for five and a half.
+    fn squeezed() -> Contact {
+        lying(110.0, &[10.0, 28.0, 46.0, 64.0, 82.0, 100.0])
     }
 
     /// How far the balls are off the floor after a substep, by their order along it.
     fn off_floor(mut contact: Contact) -> Vec<f64> {
         contact.step(&mut Tally::default());
-        contact.rows.squeezed = true;
+        contact.rows.tries = 1;
         contact.part_rows();
         let mut balls: Vec<_> = contact.bodies.iter().map(|body| body.position).collect();
         balls.sort_by(|one, other| one.x.total_cmp(&other.x));
@@ -211,8 +215,7 @@ mod tests {
 
     #[test]
     fn of_a_row_that_has_no_room_every_other_ball_is_moved_off_the_wall() {
-        let along: Vec<f64> = (0..6).map(|k| 10.0 + 18.0 * f64::from(k)).collect();
-        let off = off_floor(lying(110.0, &along));
+        let off = off_floor(squeezed());
         assert!(off.iter().step_by(2).all(|&off| off > 0.1), "{off:?}");
         assert!(off.iter().skip(1).step_by(2).all(|&off| off.abs() < 1e-9), "{off:?}");
     }
@@ -225,10 +228,7 @@ mod tests {
 
     #[test]
     fn what_flies_through_others_stays_on_the_wall() {
-        let along: Vec<f64> = (0..6).map(|k| 10.0 + 18.0 * f64::from(k)).collect();
-        let mut contact = lying(110.0, &along);
-        contact.pairs = false;
-        let off = off_floor(contact);
+        let off = off_floor(Contact { pairs: false, ..squeezed() });
         assert!(off.iter().all(|&off| off.abs() < 1e-9), "{off:?}");
     }
 
@@ -255,30 +255,15 @@ mod tests {
     #[test]
     fn what_has_no_room_off_the_wall_either_is_moved_ever_more_seldom() {
         // Too many between the walls, and a ceiling that is just above them.
-        let world =
-            World::new(DVec2::new(100.0, 45.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
-        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
-        let balls: Vec<Ball> = (0..14)
-            .map(|k| {
-                Ball::new(
-                    DVec2::new(10.0 + 80.0 / 6.0 * f64::from(k % 7), 10.0 + 25.0 * f64::from(k / 7)),
-                    10.0,
-                )
-            })
-            .collect::<Result<_, _>>()
-            .unwrap();
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
-        let mut contact = Contact::new(&world, &balls, tuning);
+        let size = DVec2::new(100.0, 45.0);
+        let place = |k: u32| 10.0 + DVec2::new(80.0 / 6.0 * f64::from(k % 7), 25.0 * f64::from(k / 7));
+        let mut contact = boxed(size, (0..14).map(place));
         let mut moved = 0;
         while contact.steps < 60 * u64::from(contact.substeps.rate) {
             contact.step(&mut Tally::default());
-            moved += u64::from(contact.rows.squeezed);
-            assert!(
-                contact
-                    .bodies
-                    .iter()
-                    .all(|body| within(body.position, body.radius, world.size()) == body.position)
-            );
+            moved += u64::from(contact.rows.tries > 0);
+            let inside = |body: &Body| within(body.position, body.radius, size) == body.position;
+            assert!(contact.bodies.iter().all(inside));
         }
         assert!(moved > 0 && moved < 6 * PATIENCE, "{moved}");
     }
