@@ -135,8 +135,8 @@ fn take_apart_in(world: &World, balls: &mut [Ball], sweeps: u32) {
     }
 }
 
-/// Moves two balls apart, a part of that to the side, towards the middle of the world: the one behind by its share, if it can be,
-/// and the one nearer to the walls by the rest. Whether they overlapped.
+/// Moves two balls apart, a part of that to the side: the one behind by its share, and towards the middle of the world, if it can
+/// be, and the one nearer to the walls by the rest. Whether they overlapped.
 fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share: f64, aside: f64) -> bool {
     let offset = balls[behind].position - balls[near].position;
     let (distance, reach) = (offset.length(), balls[near].radius + balls[behind].radius);
@@ -144,11 +144,13 @@ fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share
         return false;
     }
     let straight = if distance > 0.0 { offset / distance } else { any_offset(near, behind, 1.0) };
+    // The other goes the opposite way: both to one side, they would stay in each other.
+    let (moved, along) = if balls[behind].is_fixed() { (near, -straight) } else { (behind, straight) };
+    let inward = (0.5 * world.size - balls[moved].position).dot(along.perp());
+    let way = (straight + straight.perp() * aside.copysign(inward)).normalize();
     let mut left = reach - distance + FARTHER * reach;
-    for (index, away, share) in [(behind, straight, share), (near, -straight, 1.0), (behind, straight, 1.0)] {
+    for (index, way, share) in [(behind, way, share), (near, -way, 1.0), (behind, way, 1.0)] {
         let ball = &mut balls[index];
-        let inward = (0.5 * world.size - ball.position).dot(away.perp());
-        let way = (away + away.perp() * aside.copysign(inward)).normalize();
         if !ball.is_fixed() && left > 0.0 {
             let (from, to) = (ball.position, ball.position + way * (share * left));
             ball.position = if world.walls.is_some() { within(to, ball.radius, world.size) } else { to };
@@ -230,6 +232,34 @@ mod tests {
             assert!(deepest < 1e-8, "{width} px wide: {deepest}");
         }
         assert!(balls.iter().all(|ball| ball.position.y > 240.0), "no higher than they must: {balls:?}");
+    }
+
+    #[test]
+    fn a_pile_that_a_wall_is_drawn_over_is_not_pressed_into_itself_where_there_is_room_above() {
+        // Rows of twenty that touch as good as, twenty high, under as much room again.
+        let place = |k: u32| (5.0 + 10.1 * f64::from(k % 20), 395.0 - 10.1 * f64::from(k / 20));
+        let mut balls: Vec<Ball> = (0..400).map(place).map(|(x, y)| ball(x, y, 5.0)).collect();
+        let mut deepest: f64 = 0.0;
+        for width in (160..202).rev() {
+            let (from, world) = (DVec2::new(f64::from(width + 1), 400.0), world(f64::from(width), 400.0));
+            bring_in(&world, from, &mut balls, true);
+            deepest = deepest.max(overlap(&world, &balls));
+        }
+        assert!(deepest < 0.5, "{deepest}");
+    }
+
+    #[test]
+    fn balls_give_way_to_a_wall_in_whatever_order_they_are_listed() {
+        let (free, post) = (ball(390.0, 290.0, 10.0), ball(370.0, 290.0, 10.0).fixed());
+        for order in [[free, post], [post, free]] {
+            let mut balls = order.to_vec();
+            for width in (390..400).rev().step_by(2) {
+                let from = DVec2::new(f64::from(width + 2), 300.0);
+                bring_in(&world(f64::from(width), 300.0), from, &mut balls, true);
+            }
+            let deepest = overlap(&world(390.0, 300.0), &balls);
+            assert!(deepest < 1e-8, "{order:?}: {deepest}");
+        }
     }
 
     #[test]
