@@ -97,7 +97,8 @@ impl Contact {
         if parting.left <= 0.0 || parting.deep.is_empty() {
             return;
         }
-        near.let_go_of_all(
+        near.link_pairs(bodies.len());
+        near.all().let_go_of_all(
             parting.deep.clone(),
             bodies,
             let_go,

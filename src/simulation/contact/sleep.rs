@@ -9,7 +9,6 @@ use glam::DVec2;
 
 use super::constraints::Given;
 use super::loads::Resting;
-use super::prepare::let_go;
 use super::stripes::Stripes;
 use super::substeps::Substeps;
 use super::thrown::THROWN;
@@ -184,7 +183,7 @@ impl Contact {
             let given = stripes.given(at, rests[at].counted);
             wake(at, &given, setting.kick, bodies, rests, stripes);
         }
-        stripes.let_go_of(at, bodies, let_go, &mut Vec::new());
+        stripes.let_go_of_one(at, bodies, setting.kick);
         self.wake_unbalanced();
     }
 
@@ -300,7 +299,7 @@ fn wake(
     if moves < THROWN * kick.length() && pressed < SQUEEZED * kick.length() {
         given.velocity
     } else {
-        stripes.let_go_of(at, bodies, let_go, &mut Vec::new());
+        stripes.let_go_of_one(at, bodies, kick);
         DVec2::ZERO
     }
 }
@@ -381,6 +380,46 @@ mod tests {
             contact.steps = 360;
             contact.put_to_sleep(360);
             assert_eq!(contact.rests[0].asleep, asleep, "{before} {kicks}");
+        }
+    }
+
+    #[test]
+    fn what_wakes_and_is_let_go_of_throws_none_of_those_that_were_held_against_it() {
+        // A ball that sleeps between two awake ones, and what presses both on it and on the walls, in kicks of gravity.
+        for squeezed in [2.0, 200.0, 2e4] {
+            let world =
+                World::new(DVec2::new(60.0, 100.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+            let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
+            let balls = [10.0, 30.0, 50.0].map(|x| Ball::new(DVec2::new(x, 90.0), 10.0).unwrap());
+            let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
+            let mut contact = Contact::new(&world, &balls, tuning);
+            go(&mut contact, 12);
+            let Contact { setting, bodies, rests, near: Some(near), ids, .. } = &mut contact else {
+                panic!()
+            };
+            let kick = setting.kick;
+            near.link_pairs(3);
+            let sleeper = ids.iter().position(|&id| id == 1).unwrap();
+            let push = squeezed * kick.length();
+            for constraint in &mut near.stripes[0].constraints {
+                let (first, second) = (constraint.pair.first as usize, constraint.pair.second as usize);
+                constraint.normal = (bodies[first].position - bodies[second].position).normalize();
+                (constraint.impulse, constraint.grip) = (push / bodies[first].inverse_mass, DVec2::ZERO);
+            }
+            // Between the walls each is held in balance: by both sides, and from below.
+            for (body, rest) in bodies.iter_mut().zip(&mut *rests) {
+                (body.velocity, body.free) = (DVec2::ZERO, kick);
+                rest.asleep = false;
+            }
+            rests[sleeper].asleep = true;
+            (bodies[sleeper].inverse_mass, bodies[sleeper].free) = (0.0, DVec2::ZERO);
+            near.weigh_all(bodies);
+            wake_if_asleep(sleeper, kick, bodies, rests, &mut near.all());
+            contact.wake_unbalanced();
+            for body in &contact.bodies {
+                let thrown = (body.velocity - body.free).length();
+                assert!(thrown <= THROWN * kick.length(), "{squeezed}: {thrown}");
+            }
         }
     }
 

@@ -12,7 +12,6 @@ use glam::DVec2;
 use super::constraints::Constraint;
 use super::fates::{Fate, Shift};
 use super::layout::Layer;
-use super::near::Near;
 use super::prepare::let_go;
 use super::stripes::Stripes;
 use super::support::{give, two};
@@ -81,7 +80,8 @@ impl Contact {
         }
         let most = |at: usize| setting.most_held(&course.fates[at], || rests[at].unlike);
         let is_carried = setting.grounded;
-        near.let_go_of_all(thrown, bodies, let_go, most, |body, most| {
+        near.link_pairs(bodies.len());
+        near.all().let_go_of_all(thrown, bodies, let_go, most, |body, most| {
             // What falls with others keeps what it gave them, and with these its energy (`energy`).
             let fastest = body.free.length().max(most);
             if is_carried { body.velocity.clamp_length_max(fastest) } else { body.velocity }
@@ -97,29 +97,8 @@ impl Contact {
         if thrown.is_empty() {
             return;
         }
-        near.let_go_of_all(thrown, bodies, take_back, |_| most, |body, _| body.free);
-    }
-}
-
-impl Near {
-    /// Lets go of these bodies, as `forget` does it with each constraint, and then of those that what held them against these
-    /// throws: by more than `most` says, px/s. Each goes on with the velocity that `anew` makes of what it was, and of that.
-    pub(super) fn let_go_of_all(
-        &mut self,
-        mut thrown: Vec<usize>,
-        bodies: &mut [Body],
-        forget: fn(&mut Constraint, &mut Body, &mut Body),
-        most: impl Fn(usize) -> f64,
-        anew: impl Fn(&Body, f64) -> DVec2,
-    ) {
-        self.link_pairs(bodies.len());
-        let mut others = Vec::new();
-        while let Some(at) = thrown.pop() {
-            let velocity = anew(&bodies[at], most(at));
-            self.all().let_go_of(at, bodies, forget, &mut others);
-            (bodies[at].velocity, bodies[at].free) = (velocity, velocity);
-            thrown.extend(others.drain(..).filter(|&other| is_thrown(&bodies[other], most(other))));
-        }
+        near.link_pairs(bodies.len());
+        near.all().let_go_of_all(thrown, bodies, take_back, |_| most, |body, _| body.free);
     }
 }
 
@@ -130,9 +109,35 @@ fn take_back(constraint: &mut Constraint, first: &mut Body, second: &mut Body) {
 }
 
 impl Stripes<'_> {
+    /// Lets go of these bodies, as `forget` does it with each constraint, and then of those that what held them against these
+    /// throws: by more than `most` says, px/s. Each goes on with the velocity that `anew` makes of what it was, and of that.
+    /// Pairs must be linked.
+    pub(super) fn let_go_of_all(
+        &mut self,
+        mut thrown: Vec<usize>,
+        bodies: &mut [Body],
+        forget: fn(&mut Constraint, &mut Body, &mut Body),
+        most: impl Fn(usize) -> f64,
+        anew: impl Fn(&Body, f64) -> DVec2,
+    ) {
+        let mut others = Vec::new();
+        while let Some(at) = thrown.pop() {
+            let velocity = anew(&bodies[at], most(at));
+            self.let_go_of(at, bodies, forget, &mut others);
+            (bodies[at].velocity, bodies[at].free) = (velocity, velocity);
+            thrown.extend(others.drain(..).filter(|&other| is_thrown(&bodies[other], most(other))));
+        }
+    }
+
+    /// Lets go of a body, and of those that what held them against it would throw. Its pairs must be linked.
+    pub(super) fn let_go_of_one(&mut self, at: usize, bodies: &mut [Body], kick: DVec2) {
+        let most = THROWN * kick.length();
+        self.let_go_of_all(vec![at], bodies, let_go, |_| most, |body, _| body.velocity);
+    }
+
     /// Forgets what others and walls give a ball, and it them, as `forget` does it with each constraint, and adds the
     /// `others` that were pressed. Its pairs must be linked.
-    pub(super) fn let_go_of(
+    fn let_go_of(
         &mut self,
         body: usize,
         bodies: &mut [Body],
