@@ -8,7 +8,6 @@ use super::body::Body;
 use super::layout::Layout;
 use super::show::Start;
 use super::sleep::Rest;
-use super::substeps::Substeps;
 use super::team::Team;
 use super::{Contact, can_rest, has_pairs};
 
@@ -69,13 +68,14 @@ impl Advance for Contact {
 
     fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
         let tuning = self.tuning;
-        if Substeps::new(world, balls, tuning).rate != self.substeps.rate
-            || has_pairs(world, balls) != self.pairs
+        let Some(substeps) = self.substeps.with(world, balls, tuning) else { return false };
+        if has_pairs(world, balls) != self.pairs
             || can_rest(world, balls) != self.setting.can_rest
             || self.shown.is_some()
         {
             return false;
         }
+        self.substeps = substeps;
         self.setting.has_fixed = balls.iter().any(Ball::is_fixed);
         let known = self.bodies.len();
         for (id, ball) in (known as u32..).zip(&balls[known..]) {

@@ -3,8 +3,8 @@
 //! What flies is followed from impact to impact in any substep, and what lies still needs no short ones. But where many
 //! are hit, a ball may be hit more often than it may in one, and what is left is to be held before it goes far; and the
 //! more balls carry, the farther they go for what is left to be found of that load. Few balls cost little, and so do
-//! those that are awake among many asleep: they always take four, as do those that nothing presses together, and unlike
-//! balls, which may carry what is many times as heavy. Where gravity is strong, beats are shorter. They follow
+//! those that are awake among many asleep: they always take four, as do those that nothing presses together, many of one
+//! size, and unlike balls, which may carry what is many times as heavy. Where gravity is strong, beats are shorter. They follow
 //! each other whatever the frames, so that what comes of them does not depend on these.
 
 use glam::DVec2;
@@ -49,6 +49,12 @@ pub(super) const CARRIED: [f64; 3] = [100.0, 200.0, 350.0];
 /// falls would be squeezed.
 const AT_REST: u32 = 60;
 
+/// Balls are of one size where the radii of more than half of them differ from the middle one by no more than this ratio. They lie in
+/// rows, as in a crystal, out of which hardly anything is pushed that was squeezed in between, and in long substeps it gets deeper:
+/// where more than so many do, all substeps are short.
+const ONE_SIZE: f64 = 1.015;
+const MANY_OF_ONE_SIZE: usize = 1000;
+
 /// Overlaps are taken away at this many sums of both radii a second at most, and faster where gravity asks for shorter
 /// substeps: what starts in an overlap parts, and is not shot away.
 const MENDING: f64 = 4.0;
@@ -63,6 +69,8 @@ pub(super) struct Substeps {
     pub(super) rate: u32,
     /// How many times shorter than usual beats are; [`None`] where the number of substeps was asked for.
     shortened: Option<u32>,
+    /// Whether all are short, since so many balls are of one size.
+    all_short: bool,
     /// Substeps in the beat that the last one was in, and in that of the next.
     count: u32,
     next: u32,
@@ -121,7 +129,13 @@ impl Substeps {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
         let shortened = tuning.substeps.is_none().then(|| shortened(world, balls));
         let rate = shortened.map(|times| BEATS * PARTS * times).or(tuning.substeps).unwrap_or_default();
-        Self { rate, shortened, count: MOST, next: MOST, calm: 0 }
+        Self { rate, shortened, all_short: are_many_of_one_size(balls), count: MOST, next: MOST, calm: 0 }
+    }
+
+    /// The same for more balls, unless these ask for shorter beats.
+    pub(super) fn with(&self, world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
+        let Self { rate, all_short, .. } = Self::new(world, balls, tuning);
+        (rate == self.rate).then_some(Self { all_short, ..*self })
     }
 
     /// Has the next beat of so many.
@@ -138,7 +152,9 @@ impl Substeps {
     /// The fewest and the most in a second of so many balls under this gravity.
     pub(super) fn range(&self, balls: usize, gravity: DVec2) -> [u32; 2] {
         match self.shortened {
-            Some(times) if varies(balls, gravity) => [FEWEST, MOST].map(|count| BEATS * times * count),
+            Some(times) if varies(balls, gravity) && !self.all_short => {
+                [FEWEST, MOST].map(|count| BEATS * times * count)
+            }
             _ => [self.per_second(); 2],
         }
     }
@@ -155,7 +171,7 @@ impl Substeps {
 
     /// Whether few balls were hit for so long that what goes on among them is no crash.
     pub(super) fn are_at_rest(&self) -> bool {
-        self.calm >= AT_REST
+        !self.all_short && self.calm >= AT_REST
     }
 
     /// How long a substep takes.
@@ -180,6 +196,17 @@ impl Substeps {
     fn length_of(&self, count: u32) -> u64 {
         if self.shortened.is_some() { u64::from(PARTS / count) } else { 1 }
     }
+}
+
+/// Whether there are many balls, and most of those that move are of one size.
+fn are_many_of_one_size(balls: &[Ball]) -> bool {
+    let mut radii: Vec<f64> = balls.iter().filter(|ball| !ball.is_fixed()).map(|ball| ball.radius).collect();
+    if radii.len() <= MANY_OF_ONE_SIZE {
+        return false;
+    }
+    let middle = radii.len() / 2;
+    let (_, &mut size, _) = radii.select_nth_unstable_by(middle, f64::total_cmp);
+    radii.iter().filter(|&&radius| size <= ONE_SIZE * radius && radius <= ONE_SIZE * size).count() > middle
 }
 
 /// Whether beats may have fewer substeps than most.
@@ -276,7 +303,10 @@ impl Contact {
         if !steps.is_multiple_of(u64::from(PARTS)) {
             return;
         }
-        let rough = substeps.calm < beats || near.touched_unlike > 0 || *asleep * MANY_ASLEEP > bodies.len();
+        let rough = substeps.all_short
+            || substeps.calm < beats
+            || near.touched_unlike > 0
+            || *asleep * MANY_ASLEEP > bodies.len();
         substeps.calm = substeps.calm.saturating_add(1);
         if rough {
             substeps.next = MOST;
@@ -418,6 +448,34 @@ mod tests {
         assert_eq!(counts(AT_REST - 2, HEAVY - 1), [2, 3, 3, 4, 4, 4], "while it falls");
         assert_eq!(counts(AT_REST, HEAVY - 1), [2, 3, 3, 3, 3, 4], "at rest");
         assert_eq!(counts(AT_REST, HEAVY), [2; 6], "where only one in a thousand does");
+    }
+
+    #[test]
+    fn substeps_are_short_where_more_than_half_of_many_balls_are_of_one_size() {
+        let world = World::new(DVec2::splat(1e4)).unwrap().with_gravity(GRAVITY).unwrap();
+        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
+        // So many balls with radii between these, and so many more of this radius.
+        let balls = |count: usize, radii: [f64; 2], more: usize, last: f64| -> Vec<Ball> {
+            let radius = |k: usize| radii[0] + (radii[1] - radii[0]) * k as f64 / count as f64;
+            let radii = (0..count).map(radius).chain(std::iter::repeat_n(last, more));
+            radii.map(|radius| Ball::new(DVec2::splat(100.0), radius).unwrap()).collect()
+        };
+        let least = |balls: &[Ball]| Substeps::new(&world, balls, tuning).range(balls.len(), GRAVITY)[0];
+        for (balls, expected) in [
+            (balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 0, 9.0), 120),
+            (balls(MANY_OF_ONE_SIZE + 1, [5.0, 5.0], 0, 9.0), 240),
+            (balls(2000, [5.0, 5.14], 0, 9.0), 240),
+            (balls(2000, [5.0, 6.0], 0, 9.0), 120),
+            (balls(1500, [3.0, 6.0], 1400, 9.0), 120),
+            (balls(1400, [3.0, 6.0], 1500, 9.0), 240),
+        ] {
+            assert_eq!(least(&balls), expected, "{} balls from {}", balls.len(), balls[0].radius);
+        }
+        let few = Substeps::new(&world, &balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 0, 9.0), tuning);
+        let many = balls(MANY_OF_ONE_SIZE + 1, [5.0, 5.0], 0, 9.0);
+        assert_eq!(few.with(&world, &many, tuning).unwrap().range(many.len(), GRAVITY), [240; 2]);
+        let small = balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 1, 0.5);
+        assert!(few.with(&world, &small, tuning).is_none(), "so small a ball asks for shorter beats");
     }
 
     #[test]
