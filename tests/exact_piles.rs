@@ -65,22 +65,25 @@ fn a_column_of_any_height_stands_and_has_events_in_the_first_moment_alone() {
         let top = column.balls()[count as usize - 1].position();
         column.advance(0.1).unwrap();
         let first = hits(&column);
-        assert!(first < 40 * u64::from(count), "{count} balls: {first} hits");
+        assert!(first < 20 * u64::from(count), "{count} balls: {first} hits");
         column.advance(100.0).unwrap();
         assert_eq!((hits(&column), fastest(&column)), (first, 0.0), "{count} balls");
-        let sunk = column.balls()[count as usize - 1].position() - top;
-        assert!(sunk.length() < 1e-3, "{count} balls: {sunk}");
+        assert_eq!(column.balls()[count as usize - 1].position(), top, "{count} balls");
     }
 }
 
 #[test]
 fn a_pile_comes_to_rest_for_good_and_shows_which_balls_touch() {
-    let mut pile = exact(boxed(130.0, 300.0, EARTH), rows(20, 5));
+    // The last touches nothing.
+    let mut balls = rows(20, 5);
+    balls.push(ball(125.0, 5.0, 5.0).fixed());
+    let mut pile = exact(boxed(130.0, 300.0, EARTH), balls);
     let start = energy(&pile);
     pile.advance(10.0).unwrap();
     let (settled, balls) = (hits(&pile), pile.balls().to_vec());
     assert_eq!(fastest(&pile), 0.0);
-    assert!(energy(&pile) < start && overlap(&pile) < 1e-9);
+    assert!(energy(&pile) < start && overlap(&pile) < 1e-13);
+    let mut compared = [0, 0];
     for _ in 0..100 {
         pile.advance(1.0 / 60.0).unwrap();
         for (index, one) in balls.iter().enumerate() {
@@ -91,10 +94,13 @@ fn a_pile_comes_to_rest_for_good_and_shows_which_balls_touch() {
             let nearest = gaps.fold(f64::INFINITY, f64::min);
             // Those that are nearly as near as held ones are may lean on each other or not.
             if !(1e-5..0.1).contains(&nearest) {
+                compared[usize::from(pile.touching()[index])] += 1;
                 assert_eq!(pile.touching()[index], nearest < 1e-5, "ball {index}, {nearest} px from others");
             }
         }
     }
+    let [free, touching] = compared;
+    assert!(free >= 100 && touching >= 400, "{compared:?} were compared");
     assert_eq!((hits(&pile), pile.balls()), (settled, &balls[..]));
 }
 
@@ -124,9 +130,9 @@ fn what_lies_on_a_ball_that_is_knocked_away_falls() {
     assert_eq!(simulation.balls()[4].velocity(), DVec2::ZERO);
     simulation.advance(9.0).unwrap();
     for ball in simulation.balls() {
-        assert!(ball.position().y > 330.0, "{ball:?}");
+        assert_eq!(ball.position().y, 390.0, "{ball:?}");
     }
-    assert!(overlap(&simulation) < 1e-9);
+    assert!(overlap(&simulation) < 1e-13);
 }
 
 #[test]
@@ -149,7 +155,7 @@ fn a_ball_that_falls_on_a_pile_at_rest_moves_what_it_hits_and_adds_no_energy() {
         // Hops at half the rest speed.
         assert!(now <= least + 0.125 * mass, "{least} rose to {now}");
         least = least.min(now);
-        assert!(overlap(&pile) < 1e-9 && max_wall_overlap(pile.world(), pile.balls()) < 1e-9);
+        assert!(overlap(&pile) < 1e-13 && max_wall_overlap(pile.world(), pile.balls()) < 1e-13);
     }
     let moved = |(now, before): (&Ball, &Ball)| now.position().distance(before.position());
     assert!(pile.balls().iter().zip(&settled).map(moved).fold(0.0, f64::max) > 1.0);
@@ -182,7 +188,7 @@ fn two_balls_at_rest_that_touch_do_not_bear_a_heavy_one_between_them() {
 }
 
 #[test]
-fn however_strong_gravity_is_balls_settle_with_as_many_impacts() {
+fn however_strong_gravity_is_balls_settle_with_as_many_impacts_and_gain_no_energy() {
     for gravity in [1e3, 1e4, 1e5, 1e6, 1e7, 1e9] {
         let place = |index: u32| {
             let (column, row) = (f64::from(index % 8), f64::from(index / 8));
@@ -194,14 +200,24 @@ fn however_strong_gravity_is_balls_settle_with_as_many_impacts() {
             )
         };
         let mut simulation = exact(boxed(600.0, 400.0, gravity), (0..30).map(place).collect());
+        // What hops at half the rest speed, which is larger where gravity is, but not by hops of more than a hundredth of
+        // the radius.
+        let rest_speed = f64::min(gravity / EARTH, (2.0 * gravity * 0.1).sqrt());
+        let hops = 0.5 * 30.0 * (0.5 * rest_speed).powi(2);
         let start = energy(&simulation);
+        let mut least = start;
         for _ in 0..100 {
             simulation.advance(0.03).unwrap();
-            assert!(energy(&simulation) <= start * (1.0 + 1e-12), "gravity {gravity}");
-            assert!(overlap(&simulation) < 1e-9, "gravity {gravity}");
-            assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9, "gravity {gravity}");
+            let now = energy(&simulation);
+            let most = (least + hops).min(start * (1.0 + 1e-12));
+            assert!(now <= most, "gravity {gravity}: {least} rose to {now}");
+            least = least.min(now);
+            assert!(overlap(&simulation) < 1e-13, "gravity {gravity}");
+            assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-13, "gravity {gravity}");
         }
-        assert!(hits(&simulation) < 100_000, "gravity {gravity}: {:?}", simulation.tally());
+        assert!((2000..60_000).contains(&hits(&simulation)), "gravity {gravity}: {:?}", simulation.tally());
+        // Under the weakest of these they roll to and fro for longer.
+        assert!(fastest(&simulation) == 0.0 || gravity < 1e4, "gravity {gravity}: {}", fastest(&simulation));
     }
 }
 
@@ -212,12 +228,12 @@ fn a_row_without_room_falls_and_lies_on_the_floor() {
     };
     let mut row = exact(boxed(400.0, 400.0, EARTH), (0..20).map(place).collect());
     row.advance(3.0).unwrap();
-    assert!(hits(&row) < 20_000, "{:?}", row.tally());
+    assert!(hits(&row) < 5000, "{:?}", row.tally());
     assert!(fastest(&row) < 1e-9, "{}", fastest(&row));
     for ball in row.balls() {
-        assert!((ball.position().y - 390.0).abs() < 1e-3, "{ball:?}");
+        assert_eq!(ball.position().y, 390.0, "{ball:?}");
     }
-    assert!(overlap(&row) < 1e-9);
+    assert!(overlap(&row) < 1e-13);
 }
 
 #[test]
@@ -229,9 +245,9 @@ fn a_ball_driven_into_a_wedge_ends_no_run() {
             let falling = moving(ball(10.5, 40.0, 10.0), 0.0, speed);
             let mut simulation = exact(boxed(300.0, 400.0, EARTH), vec![peg, falling]);
             simulation.advance(10.0).unwrap();
-            assert!(hits(&simulation) < 10_000, "{narrow} at {speed} px/s: {:?}", simulation.tally());
+            assert!(hits(&simulation) < 300, "{narrow} at {speed} px/s: {:?}", simulation.tally());
             assert_eq!(non_finite(simulation.balls()), 0);
-            assert!(overlap(&simulation) < 1e-9, "{narrow} at {speed} px/s");
+            assert!(overlap(&simulation) < 1e-14, "{narrow} at {speed} px/s");
         }
     }
 }
@@ -290,7 +306,7 @@ fn a_ball_wedged_in_between_two_others_gains_no_energy_and_touches_them() {
         let place = wedge.balls()[0].position();
         wedge.advance(1.0 / 60.0).unwrap();
         let now = energy(&wedge);
-        assert!(now < before * (1.0 + 1e-9), "frame {frame}: {before} rises to {now}");
+        assert!(now < before * (1.0 + 1e-14), "frame {frame}: {before} rises to {now}");
         before = now;
         assert!(wedge.balls()[0].position() != place || wedge.touching()[0], "frame {frame}");
     }
@@ -315,7 +331,7 @@ fn assert_that_none_sinks_and_few_events_are_needed(mut simulation: Simulation, 
     for frame in 0..360 {
         simulation.advance(1.0 / 60.0).unwrap();
         let (deepest, now) = (overlap(&simulation), energy(&simulation));
-        assert!(deepest < 1e-4, "{name}: {deepest} of a radius in frame {frame}");
+        assert!(deepest < 1e-13, "{name}: {deepest} of a radius in frame {frame}");
         assert!(now < before + 1e-6 * scale, "{name}: {before} rises to {now}");
         before = now;
     }
@@ -379,7 +395,7 @@ fn elastic_balls_chatter_without_loss_however_dull_walls_are_that_they_do_not_hi
             simulation.advance(1.0).unwrap();
         }
         let [elastic, others @ ..] = &followed;
-        assert!((energy(elastic) / start - 1.0).abs() < 1e-10, "{start} becomes {}", energy(elastic));
+        assert!((energy(elastic) / start - 1.0).abs() < 1e-11, "{start} becomes {}", energy(elastic));
         for other in others {
             assert_eq!(other.balls(), elastic.balls());
             assert_eq!(other.tally(), elastic.tally());
@@ -390,13 +406,13 @@ fn elastic_balls_chatter_without_loss_however_dull_walls_are_that_they_do_not_hi
 /// All of the energy was lost where the light ball was so near the wall that it hit it thirty times and more in a moment.
 #[test]
 fn a_heavy_ball_drives_a_light_one_against_a_nearly_elastic_wall_and_comes_back() {
-    for (mass, walls) in [(300.0, 0.999), (1e4, 0.99999)] {
+    for (mass, walls, least) in [(300.0, 0.999, 0.998), (1e4, 0.99999, 0.999_999)] {
         let balls = [(3990.0 - 1e-6, 0.0, 1.0), (3900.0, 300.0, mass)];
         let mut simulation = on_a_line(walls, DVec2::ZERO, &balls);
         let start = energy(&simulation);
         simulation.advance(1.0).unwrap();
         let left = energy(&simulation) / start;
-        assert!((0.9..=1.0 + 1e-12).contains(&left), "{mass}, {walls}: {left}");
+        assert!((least..1.0).contains(&left), "{mass}, {walls}: {left}");
         assert!(simulation.balls()[1].velocity().x < 0.0);
     }
 }
@@ -444,7 +460,7 @@ fn balls_at_rest_in_each_other_part_without_momentum_and_are_apart_soon() {
             let mut simulation = exact(boxed(400.0, 400.0, gravity), vec![ball(200.0, 200.0, 10.0); count]);
             simulation.advance(0.25).unwrap();
             let expected = DVec2::new(0.0, 0.25 * gravity * count as f64);
-            assert!((momentum(simulation.balls()) - expected).length() < 1e-9, "{count} balls");
+            assert!((momentum(simulation.balls()) - expected).length() < 1e-12, "{count} balls");
             simulation.advance(4.75).unwrap();
             assert_eq!(overlap(&simulation), 0.0, "{count} balls, gravity {gravity}");
             assert!(fastest(&simulation) < 100.0, "{count} balls, gravity {gravity}");
@@ -475,8 +491,8 @@ fn a_pile_in_a_window_that_shrinks_over_it_comes_to_rest_without_overlap() {
     }
     simulation.advance(8.0).unwrap();
     assert_eq!(fastest(&simulation), 0.0);
-    assert!(overlap(&simulation) < 1e-9, "{}", overlap(&simulation));
-    assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+    assert!(overlap(&simulation) < 2e-14, "{}", overlap(&simulation));
+    assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 2e-14);
 }
 
 #[test]
@@ -487,8 +503,8 @@ fn a_row_that_a_window_leaves_too_little_room_stays_in_it_and_ends_no_run() {
         simulation.advance(1.0).unwrap();
         simulation.resize(DVec2::new(width, 100.0)).unwrap();
         simulation.advance(10.0).unwrap();
-        assert!(hits(&simulation) < 20_000, "{width} px: {:?}", simulation.tally());
-        assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9, "{width} px");
+        assert!(hits(&simulation) < 5000, "{width} px: {:?}", simulation.tally());
+        assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-13, "{width} px");
         assert_eq!(non_finite(simulation.balls()), 0);
     }
 }
