@@ -36,16 +36,22 @@ pub fn measure(scene: &Scene, maker: Maker) -> Result<Vec<Figures>, Failure> {
     let mut figures = follow(scene, maker)?;
     // Looking at the state after each frame is in the way of timing a few balls: that is done apart, unless a frame
     // takes so long that the look does not matter.
-    let frames = scene.spans.last().map_or(0, |span| span.to);
-    let mut times = Vec::new();
-    while times.len() < scene.runs && start.elapsed() < PATIENCE {
-        let time = advance(&mut *maker.start(scene)?, frames)?;
-        times.push(per_ball_and_frame(scene, time, frames));
+    let mut times = vec![Vec::new(); scene.spans.len()];
+    for _ in 0..scene.runs {
+        if start.elapsed() > PATIENCE {
+            break;
+        }
+        let (mut engine, mut frame) = (maker.start(scene)?, 0);
+        for (span, times) in scene.spans.iter().zip(&mut times) {
+            advance(&mut *engine, span.from - frame)?;
+            let frames = span.to - span.from;
+            times.push(per_ball_and_frame(scene, advance(&mut *engine, frames)?, frames));
+            frame = span.to;
+        }
     }
-    if !times.is_empty() {
-        let median = median(&mut times);
-        for figures in &mut figures {
-            figures.nanoseconds = median;
+    for (figures, times) in figures.iter_mut().zip(&mut times) {
+        if !times.is_empty() {
+            figures.nanoseconds = median(times);
         }
     }
     Ok(figures)
@@ -70,7 +76,7 @@ fn follow(scene: &Scene, maker: Maker) -> Result<Vec<Figures>, Failure> {
             engine.state(&mut look.states)?;
             look.overlaps();
         }
-        // Of a whole run the mean counts, as it does where the run is timed without looks.
+        // Of a whole span the mean counts, as it does where it is timed without looks.
         let whole = scene.runs > 0;
         let nanoseconds = if whole { mean(&times) } else { median(&mut times) };
         figures.push(look.figures(span, nanoseconds));

@@ -36,7 +36,7 @@ pub fn empty_row(scene: &str, engine: &str, why: &str) -> String {
 /// What is below the table.
 pub fn caption() -> String {
     format!(
-        "ns: one thread, the median of windows of a few frames, or of up to fifty whole runs where there are few balls. Overlaps: of \
+        "ns: one thread, the median of windows of a few frames, or of the whole span in up to fifty runs where there are few balls. Overlaps: of \
          pairs of balls that overlap, in radii of the smaller one, looked at after each window (after each frame where \
          there are few balls). Energy: change of the total, kinetic and potential, from the start to the end of the \
          span; only the gas and the bullet should keep it. Escaped: balls wholly outside the walls at the end. Fastest: \

@@ -43,7 +43,7 @@ pub struct Scene {
     pub world: World,
     pub balls: Vec<Ball>,
     pub spans: Vec<Span>,
-    /// Few balls are timed in so many whole runs at most; 0: in windows of a single run.
+    /// Few balls' spans are timed as wholes in so many runs at most; 0: in windows of a single run.
     pub runs: usize,
 }
 

@@ -17,16 +17,20 @@ pub fn gas(kind: Kind, count: u32) -> Result<Scene, Failure> {
         "size = [{side}, {side}]\n[walls]\n[pairs]\n[[fill]]\ncount = {count}\nradius = 3\nspeed = 200\n"
     );
     let filled = carom::Scene::parse("gas", &file)?.build()?;
-    // After a second of warm-up: ten seconds where that is soon done.
-    let (to, window) = match count {
-        0..=100 => (600, 15),
-        101..=1000 => (600, 3),
-        1001..=10_000 => (120, 2),
-        _ => (90, 2),
+    // After a second of warm-up, while all still move: Rapier and Box2D bring it to rest. Where that is soon done, ten seconds, too.
+    let (moving, window) = match count {
+        0..=100 => (2 * FPS, 15),
+        101..=1000 => (2 * FPS, 3),
+        1001..=10_000 => (2 * FPS, 2),
+        _ => (FPS + FPS / 2, 2),
     };
-    let spans = vec![Span { from: FPS, to, window, settled: false }];
+    let mut spans = vec![Span { from: FPS, to: moving, window, settled: false }];
+    if count <= 1000 {
+        spans.push(Span { from: moving, to: 10 * FPS, window, settled: false });
+    }
+    let runs = if count <= 1000 { 50 } else { 0 };
     let (world, balls) = (*filled.world(), filled.balls().to_vec());
-    Ok(Scene { kind, world, balls, spans, runs: 0 })
+    Ok(Scene { kind, world, balls, spans, runs })
 }
 
 /// Balls of radius 3 to 6, at rest all over a box that they cover half of, 16:9.
