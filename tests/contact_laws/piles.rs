@@ -205,3 +205,20 @@ fn equal_balls_that_crash_on_a_wide_floor_come_to_rest_beside_each_other() {
         assert_eq!(fastest(&crash), 0.0, "seed {seed}");
     }
 }
+
+/// What woke others threw them through their neighbours, at thousands of px/s: seven seconds after the start some lay in each other
+/// by 1.6 radii.
+#[test]
+fn ten_thousand_equal_balls_come_to_rest_without_shooting_each_other_away() {
+    let text = "solver = \"contact\"\nsize = [1671, 940]\ngravity = [0, 980]\n[walls]\nrestitution = 0.5\n[pairs]\n\
+         [[fill]]\ncount = 10_000\nradius = 5\nrestitution = 0.5\nseed = 3\n";
+    let mut pile = Scene::parse("equal", text).unwrap().build().unwrap();
+    pile.advance(6.0).unwrap();
+    let mut deepest = 0.0_f64;
+    while pile.time() < 10.0 {
+        pile.advance(0.1).unwrap();
+        deepest = deepest.max(overlap(&pile));
+    }
+    assert!(deepest < 0.3, "{deepest}");
+    assert_eq!(fastest(&pile), 0.0);
+}
