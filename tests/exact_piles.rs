@@ -508,3 +508,49 @@ fn a_row_that_a_window_leaves_too_little_room_stays_in_it_and_ends_no_run() {
         assert_eq!(non_finite(simulation.balls()), 0);
     }
 }
+
+#[test]
+fn a_ball_that_another_has_slid_off_is_not_shown_as_touching_it() {
+    let (corner, slope) = (DVec2::new(20.0, 180.0), DVec2::new(0.5_f64.sin(), -(0.5_f64.cos())));
+    let balls = [(corner, 20.0), (corner + 35.0 * slope, 15.0)]
+        .map(|(at, radius)| Ball::new(at, radius).unwrap().with_restitution(0.5).unwrap());
+    let world = World::new(DVec2::new(800.0, 200.0)).unwrap();
+    let world = world.with_gravity(DVec2::new(0.0, 980.0)).unwrap().with_walls(0.5).unwrap();
+    let world = world.with_pairs(Pairs::Impulse);
+    let mut simulation = Simulation::new(world, balls.to_vec(), Solver::Exact).unwrap();
+    simulation.advance(10.0).unwrap();
+    let apart = simulation.balls()[0].position().distance(simulation.balls()[1].position());
+    assert!(apart > 100.0, "{apart}");
+    simulation.advance(1.0 / 60.0).unwrap();
+    assert_eq!(simulation.touching(), [false; 2]);
+}
+
+/// A row on the floor is a little too short for them, as soon as all have come down to it. Where those at its ends were held, the
+/// others hit each other a thousand times at one moment, and were given speed each time.
+#[test]
+fn balls_that_come_down_into_a_row_without_room_gain_no_energy() {
+    let places = [
+        (35.379_071_638_961_11, 985.0),
+        (65.379_071_638_961_11, 985.0),
+        (95.378_071_638_961_1, 985.0),
+        (125.378_071_638_961_1, 985.0),
+        (50.379_071_638_961_11, 959.0093),
+        (110.378_071_638_961_1, 959.0093),
+        (65.378_571_638_961_1, 933.0186),
+        (95.378_571_638_961_1, 933.0186),
+    ];
+    let balls =
+        places.map(|(x, y)| Ball::new(DVec2::new(x, y), 15.0).unwrap().with_restitution(0.8).unwrap());
+    let world = World::new(DVec2::new(179.999, 1000.0)).unwrap();
+    let world = world.with_gravity(DVec2::new(0.0, 980.0)).unwrap().with_walls(0.8).unwrap();
+    let world = world.with_pairs(Pairs::Impulse);
+    let mut simulation = Simulation::new(world, balls.to_vec(), Solver::Exact).unwrap();
+    let mut least = energy(&simulation);
+    let mass: f64 = balls.iter().map(Ball::mass).sum();
+    for _ in 0..240 {
+        simulation.advance(1.0 / 60.0).unwrap();
+        let now = energy(&simulation);
+        assert!(now < least + 0.5 * mass, "{} at {} s", (now - least) / mass, simulation.time());
+        least = least.min(now);
+    }
+}
