@@ -169,7 +169,8 @@ impl Substeps {
         self.count == MOST
     }
 
-    /// Whether few balls were hit for so long that what goes on among them is no crash.
+    /// Whether few balls were hit for so long that what goes on among them is no crash. That is never so where many are of one
+    /// size: crystals come to rest later where the energy of what moves in them is not kept.
     pub(super) fn are_at_rest(&self) -> bool {
         !self.all_short && self.calm >= AT_REST
     }

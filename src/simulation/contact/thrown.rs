@@ -131,7 +131,8 @@ impl Stripes<'_> {
 
     /// Lets go of a body, and of those that what held them against it would throw. Its pairs must be linked.
     pub(super) fn let_go_of_one(&mut self, at: usize, bodies: &mut [Body], kick: DVec2) {
-        let most = THROWN * kick.length();
+        // Without gravity nothing that held a ball does so in the next substep.
+        let most = if kick == DVec2::ZERO { f64::INFINITY } else { THROWN * kick.length() };
         self.let_go_of_all(vec![at], bodies, let_go, |_| most, |body, _| body.velocity);
     }
 
