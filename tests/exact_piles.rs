@@ -554,3 +554,27 @@ fn balls_that_come_down_into_a_row_without_room_gain_no_energy() {
         least = least.min(now);
     }
 }
+
+/// It goes to and fro between them some thousand times, in no time at all: that is not for want of room.
+#[test]
+fn a_light_ball_in_two_heavy_ones_that_close_on_it_sends_them_back_as_fast_as_they_came() {
+    for mass in [1e4, 1e5, 1e6, 1e8] {
+        for depth in [0.001, 0.1, 5.0] {
+            let heavy =
+                |x, v| moving(Ball::new(DVec2::new(x, 5000.0), 50.0).unwrap(), v, 0.0).with_mass(mass);
+            let light = Ball::new(DVec2::new(5000.0, 5000.0), 10.0).unwrap().with_mass(1.0);
+            let balls =
+                [heavy(4940.0 + depth, 100.0), light, heavy(5060.0 - depth, -100.0)].map(Result::unwrap);
+            let world = World::new(DVec2::splat(1e4)).unwrap().with_pairs(Pairs::Impulse);
+            let mut simulation = exact(world, balls.to_vec());
+            let start = kinetic_energy(simulation.balls());
+            simulation.advance(1.0).unwrap();
+            let drift = (kinetic_energy(simulation.balls()) / start - 1.0).abs();
+            // The rounding of up to 22,000 impacts.
+            assert!(drift < 1e-11, "{mass:e}, {depth}: {drift:e}");
+            let speeds = [0, 2].map(|k| simulation.balls()[k].velocity().x);
+            let error = (speeds[0] + 100.0).abs().max((speeds[1] - 100.0).abs());
+            assert!(error < 0.1, "{mass:e}, {depth}: {speeds:?}");
+        }
+    }
+}
