@@ -15,6 +15,7 @@ use super::super::world::World;
 use super::energy::Keeping;
 use super::find::FEW;
 use super::layout::Layer;
+use super::softness::Softness;
 use super::stripes::of_layer;
 use super::sweep::Pass;
 use super::unlike::Unlike;
@@ -23,8 +24,8 @@ use super::{Contact, Setting};
 /// Beats in a second, at least.
 const BEATS: u32 = 60;
 /// Substeps in a beat: the fewest, and the most, with which all begin.
-const FEWEST: u32 = 2;
-const MOST: u32 = 4;
+pub(super) const FEWEST: u32 = 2;
+pub(super) const MOST: u32 = 4;
 /// The parts of a beat in which time is counted: a multiple of all numbers of substeps.
 const PARTS: u32 = 12;
 
@@ -76,52 +77,6 @@ pub(super) struct Substeps {
     next: u32,
     /// How many beats have passed since many balls were hit.
     calm: u32,
-}
-
-/// Where densities differ, contacts give way by so much less: a light ball that carries a heavy one carries many times its own
-/// weight, and what it would give way by each substep, would be taken from the heavy one (`Stripe::carry_all`), which then
-/// never came through.
-const STIFFER: f64 = 0.1;
-/// The same of one material: the firmer, the less small balls are pressed into each other, and the later thousands rest.
-const STIFFER_OF_SIZES: f64 = 0.3;
-
-/// How contacts give way in a substep.
-///
-/// They are springs that are damped more than enough: a pair that carries the weight of N balls of its own mass overlaps by
-/// about N·g·h²·(1/yielding − 1)/mended in substeps of h seconds. That is the same whatever their length.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Softness {
-    /// The part of an overlap that is taken away.
-    pub(super) mended: f64,
-    /// What is left of an impulse that gives way, by how unlike its balls are.
-    yielding: [f64; Unlike::KINDS],
-    /// The same where few of many are awake: what sleepers squeeze would overlap them too deeply to sleep, too.
-    yielding_of_few: [f64; Unlike::KINDS],
-}
-
-impl Softness {
-    /// That which suits so many substeps in a beat.
-    fn of(count: u32) -> Self {
-        let (mended, soft) = match count {
-            ..=FEWEST => (0.8, 0.004),
-            3 => (0.6, 0.006),
-            MOST.. => (0.3, 0.006),
-        };
-        let yielding =
-            |soft: f64| [1.0, STIFFER_OF_SIZES, STIFFER].map(|stiffer| 1.0 / (1.0 + stiffer * soft));
-        Self { mended, yielding: yielding(soft), yielding_of_few: yielding(0.25 * soft) }
-    }
-
-    /// What is left, between such balls, of an impulse that gives way.
-    #[inline]
-    pub(super) fn yielding(&self, unlike: Unlike) -> f64 {
-        self.yielding[unlike as usize]
-    }
-
-    /// The same where few of many are awake.
-    pub(super) fn yielding_of_few(&self, unlike: Unlike) -> f64 {
-        self.yielding_of_few[unlike as usize]
-    }
 }
 
 impl Substeps {

@@ -1,0 +1,50 @@
+//! How contacts give way, by how many substeps a beat has.
+
+use super::substeps::{FEWEST, MOST};
+use super::unlike::Unlike;
+
+/// Where densities differ, contacts give way by so much less: a light ball that carries a heavy one carries many times its own
+/// weight, and what it would give way by each substep, would be taken from the heavy one (`Stripe::carry_all`), which then
+/// never came through.
+const STIFFER: f64 = 0.1;
+/// The same of one material: the firmer, the less small balls are pressed into each other, and the later thousands rest.
+const STIFFER_OF_SIZES: f64 = 0.3;
+
+/// How contacts give way in a substep.
+///
+/// They are springs that are damped more than enough: a pair that carries the weight of N balls of its own mass overlaps by
+/// about N·g·h²·(1/yielding − 1)/mended in substeps of h seconds. That is the same whatever their length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Softness {
+    /// The part of an overlap that is taken away.
+    pub(super) mended: f64,
+    /// What is left of an impulse that gives way, by how unlike its balls are.
+    yielding: [f64; Unlike::KINDS],
+    /// The same where few of many are awake: what sleepers squeeze would overlap them too deeply to sleep, too.
+    yielding_of_few: [f64; Unlike::KINDS],
+}
+
+impl Softness {
+    /// That which suits so many substeps in a beat.
+    pub(super) fn of(count: u32) -> Self {
+        let (mended, soft) = match count {
+            ..=FEWEST => (0.8, 0.004),
+            3 => (0.6, 0.006),
+            MOST.. => (0.3, 0.006),
+        };
+        let yielding =
+            |soft: f64| [1.0, STIFFER_OF_SIZES, STIFFER].map(|stiffer| 1.0 / (1.0 + stiffer * soft));
+        Self { mended, yielding: yielding(soft), yielding_of_few: yielding(0.25 * soft) }
+    }
+
+    /// What is left, between such balls, of an impulse that gives way.
+    #[inline]
+    pub(super) fn yielding(&self, unlike: Unlike) -> f64 {
+        self.yielding[unlike as usize]
+    }
+
+    /// The same where few of many are awake.
+    pub(super) fn yielding_of_few(&self, unlike: Unlike) -> f64 {
+        self.yielding_of_few[unlike as usize]
+    }
+}
