@@ -512,12 +512,8 @@ fn a_row_that_a_window_leaves_too_little_room_stays_in_it_and_ends_no_run() {
 #[test]
 fn a_ball_that_another_has_slid_off_is_not_shown_as_touching_it() {
     let (corner, slope) = (DVec2::new(20.0, 180.0), DVec2::new(0.5_f64.sin(), -(0.5_f64.cos())));
-    let balls = [(corner, 20.0), (corner + 35.0 * slope, 15.0)]
-        .map(|(at, radius)| Ball::new(at, radius).unwrap().with_restitution(0.5).unwrap());
-    let world = World::new(DVec2::new(800.0, 200.0)).unwrap();
-    let world = world.with_gravity(DVec2::new(0.0, 980.0)).unwrap().with_walls(0.5).unwrap();
-    let world = world.with_pairs(Pairs::Impulse);
-    let mut simulation = Simulation::new(world, balls.to_vec(), Solver::Exact).unwrap();
+    let balls = [(corner, 20.0), (corner + 35.0 * slope, 15.0)].map(|(at, radius)| ball(at.x, at.y, radius));
+    let mut simulation = exact(boxed(800.0, 200.0, EARTH), balls.to_vec());
     simulation.advance(10.0).unwrap();
     let apart = simulation.balls()[0].position().distance(simulation.balls()[1].position());
     assert!(apart > 100.0, "{apart}");
@@ -539,12 +535,9 @@ fn balls_that_come_down_into_a_row_without_room_gain_no_energy() {
         (65.378_571_638_961_1, 933.0186),
         (95.378_571_638_961_1, 933.0186),
     ];
-    let balls =
-        places.map(|(x, y)| Ball::new(DVec2::new(x, y), 15.0).unwrap().with_restitution(0.8).unwrap());
-    let world = World::new(DVec2::new(179.999, 1000.0)).unwrap();
-    let world = world.with_gravity(DVec2::new(0.0, 980.0)).unwrap().with_walls(0.8).unwrap();
-    let world = world.with_pairs(Pairs::Impulse);
-    let mut simulation = Simulation::new(world, balls.to_vec(), Solver::Exact).unwrap();
+    let balls = places.map(|(x, y)| ball(x, y, 15.0).with_restitution(0.8).unwrap());
+    let world = boxed(179.999, 1000.0, EARTH).with_walls(0.8).unwrap();
+    let mut simulation = exact(world, balls.to_vec());
     let mut least = energy(&simulation);
     let mass: f64 = balls.iter().map(Ball::mass).sum();
     for _ in 0..240 {
