@@ -1,6 +1,6 @@
 //! Where the loads of balls at rest go: down to what carries them, and on to the ground.
 //!
-//! A substep stops each ball on what carries it as if that were the ground (`support`), and tells what carries it little of
+//! A substep stops each ball on what carries it as if that were the ground (`carry`), and tells what carries it little of
 //! the load, or nothing: where masses are unequal, impulses alone would take thousands of substeps to find it. Balls that
 //! are to sleep on each other are given the impulses that they rest on here, from the top down. They are in balance with
 //! them, and stay so as long as nothing changes.
