@@ -1,6 +1,6 @@
 //! What is known of each ball's impacts in a substep, and how many it may have.
 
-use glam::DVec2;
+use glam::{BVec2, DVec2};
 
 use super::find::FEW;
 use super::meeting::strike;
@@ -46,28 +46,7 @@ pub(super) struct Fate {
     pub(super) ended: bool,
     pub(super) shift: Shift,
     /// Across which axes it came to rest on a wall that nothing but gravity presses it on.
-    pub(super) landed: Axes,
-}
-
-/// Some of both axes, x first.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Axes(u8);
-
-impl Axes {
-    pub(super) const NONE: Self = Self(0);
-
-    /// Adds those of another set.
-    pub(super) fn add(&mut self, others: Self) {
-        self.0 |= others.0;
-    }
-
-    pub(super) fn of(axis: usize) -> Self {
-        Self(1 << axis)
-    }
-
-    pub(super) fn has(self, axis: usize) -> bool {
-        self.0 & (1 << axis) != 0
-    }
+    pub(super) landed: BVec2,
 }
 
 /// Where a body stands that was hit after the substep's beginning: until its end where it would have come from.

@@ -1,10 +1,9 @@
 //! The balls as a frame shows them: between the substeps that are taken, and never written back.
 
-use glam::DVec2;
+use glam::{BVec2, DVec2};
 
 use super::super::ball::Ball;
 use super::super::{Frame, within};
-use super::fates::Axes;
 use super::layout::Layer;
 use super::near::Near;
 use super::stripes::{Stripe, of_layer};
@@ -42,7 +41,7 @@ impl Start {
 pub(super) struct Held {
     by_others: bool,
     /// Across which axes a wall does.
-    by_walls: Axes,
+    by_walls: BVec2,
 }
 
 impl Held {
@@ -85,9 +84,7 @@ impl Contact {
     fn find_held_by_walls(&mut self) {
         let Self { near: Some(near), held, .. } = self else { return };
         for (body, beside) in near.beside() {
-            for axis in (0..2).filter(|&axis| beside.push[axis] != 0.0) {
-                held[body].by_walls.add(Axes::of(axis));
-            }
+            held[body].by_walls |= beside.push.cmpne(DVec2::ZERO);
         }
     }
 
@@ -99,8 +96,8 @@ impl Contact {
             return body.velocity + 0.5 * kick;
         }
         let Held { by_others, by_walls } = self.held.get(at).copied().unwrap_or_default();
-        let falls = [0, 1].map(|axis| f64::from(u8::from(!by_walls.has(axis))));
-        let change = DVec2::from(falls) * body.change(kick);
+        let falls = DVec2::select(by_walls, DVec2::ZERO, DVec2::ONE);
+        let change = falls * body.change(kick);
         // What others only hold up while it moves loses a part of gravity to them, along their contacts. What stops or drives it
         // does so once, and what one at rest lacks in a substep it has in the next.
         let moves = body.velocity.length_squared() > MOVING * MOVING * kick.length_squared();
@@ -114,7 +111,7 @@ impl Contact {
         }
         // What they hardly hold flies.
         let held = (body.velocity - body.free).length() / kick.length();
-        body.velocity + 0.5 * (1.0 - HARDLY * held).max(0.0) * DVec2::from(falls) * kick
+        body.velocity + 0.5 * (1.0 - HARDLY * held).max(0.0) * falls * kick
     }
 
     /// A body where a substep is about to begin.

@@ -14,9 +14,7 @@ const ROUNDING: f64 = 1e-9;
 pub(super) fn lay_on_walls(setting: &Setting, fates: &[Fate], beside: &mut [Beside]) {
     for beside in beside {
         let landed = fates[beside.body as usize].landed;
-        for axis in (0..2).filter(|&axis| landed.has(axis)) {
-            beside.push[axis] = -setting.kick[axis];
-        }
+        beside.push = DVec2::select(landed, -setting.kick, beside.push);
     }
 }
 

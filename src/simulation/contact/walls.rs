@@ -1,9 +1,8 @@
 //! A ball's bounces on the walls within one substep: in closed form, or one by one where it is fast.
 
-use glam::DVec2;
+use glam::{BVec2, DVec2};
 
 use super::constraints::Beside;
-use super::fates::Axes;
 use super::meeting::strike;
 use super::{Body, SHIFT, Setting, Tally};
 
@@ -42,12 +41,12 @@ pub(super) struct Met {
     /// Whether it bounced again across one.
     pub(super) again: bool,
     /// Across which it now rests, with nothing but gravity to press it.
-    pub(super) landed: Axes,
+    pub(super) landed: BVec2,
 }
 
 impl Met {
     pub(super) const NOTHING: Self =
-        Self { time: 0.0, shifts: false, first: [f64::INFINITY; 2], again: false, landed: Axes::NONE };
+        Self { time: 0.0, shifts: false, first: [f64::INFINITY; 2], again: false, landed: BVec2::FALSE };
 }
 
 /// Bounces a ball of this inverse mass off the walls that it meets in this substep after `since`, when it was last hit.
@@ -77,9 +76,7 @@ pub(super) fn meet_walls(
         let mut first = before.first;
         first[axis] = since + landed.first;
         let mut rests = before.landed;
-        if landed.lies {
-            rests.add(Axes::of(axis));
-        }
+        rests.set(axis, landed.lies);
         met = Some(Met {
             time: before.time.max(since + landed.time),
             shifts: before.shifts || (landed.fastest * setting.substep > SHIFT * body.radius),
