@@ -49,20 +49,17 @@ pub(super) fn hold_on_walls(
 pub(super) fn relax_on_walls(bodies: &mut [Body], beside: &mut [Beside], enough: Tolerance) -> f64 {
     let mut most = 0.0_f64;
     for beside in beside {
-        if bodies[beside.body as usize].inverse_mass == 0.0 {
+        let body = &mut bodies[beside.body as usize];
+        if body.inverse_mass == 0.0 {
             continue;
         }
-        // What comes near a wall only now meets it in the next substep.
-        let held = beside.push;
-        let hold = |velocity: f64, push: f64| {
-            let without = velocity - push;
-            if push > 0.0 { without.max(0.0) } else { without.min(0.0) }
-        };
-        let body = &mut bodies[beside.body as usize];
         for axis in 0..2 {
+            // What comes near a wall only now meets it in the next substep.
+            let push = beside.push[axis];
             // Not for what rounding leaves: one that just comes to a wall is not held by it.
-            if held[axis].abs() > ROUNDING * body.velocity[axis].abs() {
-                let velocity = hold(body.velocity[axis], held[axis]);
+            if push.abs() > ROUNDING * body.velocity[axis].abs() {
+                let without = body.velocity[axis] - push;
+                let velocity = if push > 0.0 { without.max(0.0) } else { without.min(0.0) };
                 let change = velocity - body.velocity[axis];
                 most = most.max(change.abs() / enough.of(body.radius));
                 beside.push[axis] += change;

@@ -72,18 +72,12 @@ pub(super) fn meet_walls(
         let Some(landed) = meet_wall(setting, body, beside, (axis, wall, side), since, e) else { continue };
         tally.wall_hits += u64::from(landed.counted);
         tally.wall_impulse[axis] += side * landed.impulse / own;
-        let before = met.unwrap_or(Met::NOTHING);
-        let mut first = before.first;
-        first[axis] = since + landed.first;
-        let mut rests = before.landed;
-        rests.set(axis, landed.lies);
-        met = Some(Met {
-            time: before.time.max(since + landed.time),
-            shifts: before.shifts || (landed.fastest * setting.substep > SHIFT * body.radius),
-            first,
-            again: before.again || landed.bounces > 1,
-            landed: rests,
-        });
+        let met = met.get_or_insert(Met::NOTHING);
+        met.time = met.time.max(since + landed.time);
+        met.shifts |= landed.fastest * setting.substep > SHIFT * body.radius;
+        met.first[axis] = since + landed.first;
+        met.again |= landed.bounces > 1;
+        met.landed.set(axis, landed.lies);
     }
     met
 }
