@@ -50,27 +50,26 @@ impl Stage<'_> {
         any_fast
     }
 
-    /// Foresees the impacts of a stripe from the substep's beginning.
+    /// Foresees the impacts of the only stripe from the substep's beginning.
     #[inline]
-    pub(super) fn foresee_all(&mut self, number: usize, stripes: &mut Stripes<'_>) {
-        for at in 0..stripes.list[number].beside.len() {
-            self.foresee_wall(Spot { stripe: number as u32, at: at as u32 }, stripes);
+    pub(super) fn foresee_all(&mut self, stripes: &mut Stripes<'_>) {
+        for at in 0..stripes.list[0].beside.len() {
+            self.foresee_wall(Spot { stripe: 0, at: at as u32 }, stripes);
         }
-        let start = stripes.layout.start(number);
-        let stripe = &mut stripes.list[number];
+        let stripe = &mut stripes.list[0];
         let mut nearing = std::mem::take(&mut stripe.nearing);
-        self.find_nearing(start, stripe, &mut nearing);
+        self.find_nearing(stripe, &mut nearing);
         for &at in &nearing {
-            self.foresee_meeting(Spot { stripe: number as u32, at }, stripe, start);
+            self.foresee_meeting(Spot { stripe: 0, at }, stripe, 0);
         }
         stripe.nearing = nearing;
     }
 
-    /// Looks at the pairs of a stripe that begins with this body, and gathers the places of those that may meet: most do
-    /// not, and which do cannot be foreseen by a processor, so there is no branch.
-    fn find_nearing(&self, start: usize, stripe: &mut Stripe, nearing: &mut Vec<u32>) {
-        self.leave_pressing(start, stripe, nearing);
-        let bodies = &self.bodies[start.min(self.bodies.len())..];
+    /// Looks at the pairs of the only stripe, and gathers the places of those that may meet: most do not, and which do
+    /// cannot be foreseen by a processor, so there is no branch.
+    fn find_nearing(&self, stripe: &mut Stripe, nearing: &mut Vec<u32>) {
+        self.leave_pressing(stripe, nearing);
+        let bodies = &*self.bodies;
         let mut found = 0;
         for place in 0..nearing.len() {
             let at = nearing[place];
@@ -87,7 +86,7 @@ impl Stage<'_> {
 
     /// Gathers the places of all pairs but those that only press on each other, or sleep: in a pile that is nearly all.
     /// They are held apart whether they are close or not.
-    fn leave_pressing(&self, start: usize, stripe: &Stripe, places: &mut Vec<u32>) {
+    fn leave_pressing(&self, stripe: &Stripe, places: &mut Vec<u32>) {
         let Stripe { pairs, marks, .. } = stripe;
         places.clear();
         if !self.setting.can_rest {
@@ -95,7 +94,7 @@ impl Stage<'_> {
             return;
         }
         places.resize(pairs.len(), 0);
-        let fates = &self.fates[start.min(self.fates.len())..];
+        let fates = &*self.fates;
         let mut left = 0;
         for (at, (pair, mark)) in (0..).zip(pairs.iter().zip(marks)) {
             let presses =

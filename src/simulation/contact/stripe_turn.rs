@@ -44,7 +44,7 @@ impl StripeTurn<'_> {
         self.stripes.list[0].left_events.clear();
         self.stripes.list[0].left_bodies.clear();
         self.stage.queue.clear();
-        self.stage.foresee_all(0, &mut self.stripes);
+        self.stage.foresee_all(&mut self.stripes);
     }
 
     /// Leaves all impacts of a seam, or of the rest, to a later turn, and all others of their balls.

@@ -208,7 +208,7 @@ fn take_all(stage: &mut Stage<'_>, near: &mut Near) {
     if stage.begin() {
         (0..count).for_each(|body| stage.foresee_fast_wall(body));
     }
-    stage.foresee_all(0, &mut near.all());
+    stage.foresee_all(&mut near.all());
     if !stage.queue.is_empty() {
         near.link_pairs(count);
     }
