@@ -182,11 +182,7 @@ impl Limits {
 
     /// How often a body may be hit that is shifted so, and not fast, with a restitution that takes energy.
     fn most(&self, shift: Shift, restitution: f64) -> u16 {
-        let least = self.least(shift);
-        if shift == Shift::Far || self.most_by_loss == self.most {
-            return least;
-        }
-        least.max(hits_that_leave(LEFT, restitution, self.most_by_loss))
+        self.least(shift).max(hits_that_leave(LEFT, restitution, self.most_by_loss))
     }
 }
 
