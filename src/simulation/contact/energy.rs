@@ -44,12 +44,12 @@ pub(super) struct Account {
 impl Contact {
     /// Finds out how energy is to be kept in this substep, after its impacts.
     pub(super) fn find_keeping(&mut self) {
-        let Self { setting, substeps, near: Some(near), course, parting, .. } = self else { return };
+        let Self { setting, substeps, near: Some(_), course, parting, .. } = self else { return };
         let far = || course.fates.iter().any(|fate| fate.shift == Shift::Far);
         let falls = || setting.kick != DVec2::ZERO && !(setting.grounded && substeps.are_at_rest());
         setting.keeping = if parting.goes_on() {
             Keeping::Strictly
-        } else if near.weights.unlike.differs() || falls() || far() {
+        } else if setting.unlike.differs() || falls() || far() {
             Keeping::Loosely
         } else {
             Keeping::Nothing
@@ -231,7 +231,6 @@ mod tests {
     }
 
     fn note_unheld(contact: &mut Contact) {
-        contact.setting.unlike = contact.near.as_ref().unwrap().weights.unlike;
         contact.find_keeping();
         contact.sweep(&[Pass::NOTE_UNHELD]);
     }

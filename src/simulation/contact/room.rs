@@ -111,7 +111,7 @@ impl Contact {
         if course.ended {
             return true;
         }
-        if setting.kick != DVec2::ZERO && !near.weights.unlike.differs() {
+        if setting.kick != DVec2::ZERO && !setting.unlike.differs() {
             return false;
         }
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);

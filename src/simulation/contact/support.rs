@@ -103,7 +103,6 @@ impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
         self.setting.softness = self.substeps.softness();
-        self.setting.unlike = self.near.as_ref().map_or(Unlike::Nothing, |near| near.weights.unlike);
         // Large piles tremble: without a grip, ten thousand balls take five times as long to come to rest.
         self.setting.gripping = if self.bodies.len() <= FEW { self.setting.firm } else { f64::INFINITY };
         let holding = self.holding();

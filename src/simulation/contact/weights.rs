@@ -34,8 +34,6 @@ const LEVEL: f64 = 2.0 / 3.0;
 pub(super) struct Weights {
     /// In what any two are unlike, wherever they are.
     possible: Unlike,
-    /// In what any ball is unlike those around it.
-    pub(super) unlike: Unlike,
     /// Whether any counts as heavier than it is.
     heavier: bool,
     /// What they counted with before, and what they count with.
@@ -63,10 +61,10 @@ impl Contact {
         }
         let possible = near.weights.possible;
         if before.differs() || possible.differs() {
-            near.weights.unlike = near.find_unlike(bodies, rests, possible);
+            setting.unlike = near.find_unlike(bodies, rests, possible);
         }
         // Where none is unlike any more, or nothing carries any, all weigh what they do again.
-        let weighs = near.weights.heavier || setting.grounded && near.weights.unlike == Unlike::Density;
+        let weighs = near.weights.heavier || setting.grounded && setting.unlike == Unlike::Density;
         weighs && near.weigh(bodies, rests, setting)
     }
 
@@ -110,7 +108,7 @@ impl Near {
     /// Finds what balls weigh where they are held, and keeps what holds them. Whether any weighs something else than before.
     fn weigh(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) -> bool {
         let mut weights = std::mem::take(&mut self.weights);
-        let Weights { before, counted, left, loads, unlike, heavier, .. } = &mut weights;
+        let Weights { before, counted, left, loads, heavier, .. } = &mut weights;
         before.clear();
         before.extend(bodies.iter().map(|body| body.inverse_mass));
         counted.clear();
@@ -119,7 +117,7 @@ impl Near {
         let least = LEFT * setting.kick.length();
         let presses = |at: usize| left[at].length() > least;
         loads.clear();
-        if setting.grounded && *unlike == Unlike::Density {
+        if setting.grounded && setting.unlike == Unlike::Density {
             let of_pair = |(i, j)| loads_of(bodies, setting, i as u32, j as u32);
             loads.extend(self.pairs().flat_map(of_pair).flatten());
         }
