@@ -114,11 +114,6 @@ impl Substeps {
         }
     }
 
-    /// How contacts give way in it.
-    pub(super) fn softness(&self) -> Softness {
-        Softness::of(self.count)
-    }
-
     /// Whether they are the shortest.
     pub(super) fn are_short(&self) -> bool {
         self.count == MOST
@@ -208,7 +203,7 @@ impl Setting {
     fn with_length(self, substeps: &Substeps) -> Self {
         let substep = substeps.seconds();
         let kick = self.gravity * substep;
-        Self { substep, kick, firm: FIRM * kick.length(), ..self }
+        Self { substep, kick, firm: FIRM * kick.length(), softness: Softness::of(substeps.count), ..self }
     }
 }
 

@@ -102,7 +102,6 @@ struct Holding {
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
-        self.setting.softness = self.substeps.softness();
         // Large piles tremble: without a grip, ten thousand balls take five times as long to come to rest.
         self.setting.gripping = if self.bodies.len() <= FEW { self.setting.firm } else { f64::INFINITY };
         let holding = self.holding();
