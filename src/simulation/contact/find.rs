@@ -221,7 +221,6 @@ impl Near {
     fn take_pairs(&mut self, bodies: &[Body], rests: &[Rest], setting: &Setting, team: &Team) {
         let Self { layout, stripes, gathered, crossing, .. } = self;
         let (layout, gathered) = (*layout, &*gathered);
-        let any_fixed = rests.iter().any(|rest| rest.counted == 0.0);
         team.each(stripes.iter_mut().enumerate(), |(number, stripe)| {
             let start = layout.start(number).min(bodies.len());
             let bodies = &bodies[start..start + layout.count(number, bodies.len())];
@@ -232,7 +231,7 @@ impl Near {
                     pairs.extend_from_slice(&part.parted[number]);
                 }
             }
-            if any_fixed {
+            if setting.has_fixed {
                 let fixed = |at: u32| rests[start + at as usize].counted == 0.0;
                 pairs.retain(|pair| !(fixed(pair.first) && fixed(pair.second)));
             }
