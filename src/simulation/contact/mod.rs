@@ -189,9 +189,7 @@ impl Contact {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
         let pairs = has_pairs(world, balls);
         let substeps = Substeps::new(world, balls, tuning);
-        let setting = Setting::new(world, can_rest(world, balls), &substeps, tuning);
-        let has_fixed = balls.iter().any(Ball::is_fixed);
-        let setting = Setting { has_fixed, grounded: has_fixed || setting.walls.is_some(), ..setting };
+        let setting = Setting::new(world, balls, &substeps, tuning);
         let kick = setting.kick;
         let bodies: Vec<_> = balls.iter().map(|ball| Body::new(ball, kick)).collect();
         Self {

@@ -19,7 +19,7 @@ use super::softness::Softness;
 use super::stripes::of_layer;
 use super::sweep::Pass;
 use super::unlike::Unlike;
-use super::{Contact, Setting};
+use super::{Contact, Setting, can_rest};
 
 /// Beats in a second, at least.
 const BEATS: u32 = 60;
@@ -174,17 +174,18 @@ fn shortened(world: &World, balls: &[Ball]) -> u32 {
 }
 
 impl Setting {
-    pub(super) fn new(world: &World, can_rest: bool, substeps: &Substeps, tuning: Tuning) -> Self {
+    pub(super) fn new(world: &World, balls: &[Ball], substeps: &Substeps, tuning: Tuning) -> Self {
         let gravity = world.gravity.unwrap_or_default();
+        let has_fixed = balls.iter().any(Ball::is_fixed);
         let setting = Self {
             size: world.size,
             walls: world.walls,
             gravity,
             substep: 0.0,
             kick: DVec2::ZERO,
-            can_rest,
-            has_fixed: false,
-            grounded: true,
+            can_rest: can_rest(world, balls),
+            has_fixed,
+            grounded: has_fixed || world.walls.is_some(),
             common: DVec2::ZERO,
             firm: 0.0,
             mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
