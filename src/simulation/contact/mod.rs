@@ -156,8 +156,6 @@ pub(super) struct Contact {
     places: Vec<u32>,
     /// Whether each body sleeps.
     rests: Vec<Rest>,
-    /// Whether they may.
-    sleeps: bool,
     /// Whether all do.
     all_asleep: bool,
     /// How many did when that was last looked at.
@@ -197,7 +195,6 @@ impl Contact {
             tuning,
             substeps,
             rests: bodies.iter().map(Rest::new).collect(),
-            sleeps: tuning.sleep && kick != DVec2::ZERO,
             all_asleep: false,
             asleep: 0,
             bodies,

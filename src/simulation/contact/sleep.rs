@@ -89,7 +89,7 @@ impl Rest {
 impl Contact {
     /// Lets balls fall asleep that have rested for a while.
     pub(super) fn fall_asleep(&mut self) {
-        if !self.sleeps {
+        if !self.tuning.sleep || self.setting.kick == DVec2::ZERO {
             return;
         }
         let window = ((WINDOW * f64::from(self.substeps.rate)).ceil() as u64).max(LEAST_WINDOW);
