@@ -117,11 +117,11 @@ impl Contact {
             let outward = |setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>| {
                 stripe.hold_outward(setting, share.bodies, &holding, round);
             };
-            let inward = Pass::over_near(Layer::INWARD, &inward);
+            let inward = Pass { layers: Layer::INWARD, only_busy: true, work: &inward };
             if round == 0 {
-                self.sweep(&[note, Pass::over_near(Layer::OUTWARD, &warm_start), inward]);
+                self.sweep(&[note, Pass::WARM_START, inward]);
             } else if self.near.as_ref().is_some_and(unsettled) {
-                self.sweep(&[Pass::over_near(Layer::OUTWARD, &outward), inward]);
+                self.sweep(&[Pass { layers: Layer::OUTWARD, only_busy: true, work: &outward }, inward]);
             } else {
                 break;
             }
@@ -228,17 +228,6 @@ impl Stripe {
     }
 }
 
-/// Begins with what held a stripe's balls in the last substep (warm starting).
-fn warm_start(setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>) {
-    if setting.kick == DVec2::ZERO {
-        stripe.forget();
-    }
-    lay_on_walls(setting, share.fates, &mut stripe.beside);
-    hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
-    stripe.prepare_all(setting, share);
-    (stripe.unsettled, stripe.changed) = (true, f64::INFINITY);
-}
-
 /// Whether sweeps that changed so much, and so much `before`, will change more than is enough yet, which is 1: as a geometric
 /// series (Aitken 1926).
 fn goes_on(change: f64, before: f64) -> bool {
@@ -248,6 +237,21 @@ fn goes_on(change: f64, before: f64) -> bool {
 }
 
 impl Pass<'_> {
+    /// Begins with what held balls in the last substep (warm starting).
+    const WARM_START: Self = Self {
+        layers: Layer::OUTWARD,
+        only_busy: true,
+        work: &|setting, stripe, share| {
+            if setting.kick == DVec2::ZERO {
+                stripe.forget();
+            }
+            lay_on_walls(setting, share.fates, &mut stripe.beside);
+            hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
+            stripe.prepare_all(setting, share);
+            (stripe.unsettled, stripe.changed) = (true, f64::INFINITY);
+        },
+    };
+
     /// Holds balls apart once more where many were hit: what stopped some on what carries them has turned them against
     /// others, and those that are beside or above them are to give way at once, not in the next substep.
     pub(super) const HOLD_AGAIN: Self = Self {

@@ -21,15 +21,7 @@ pub(super) struct Pass<'a> {
     pub(super) work: &'a (dyn Fn(&Setting, &mut Stripe, &mut Share<'_>) + Sync),
 }
 
-impl<'a> Pass<'a> {
-    /// One over all that is near each other, or near walls.
-    pub(super) fn over_near(
-        layers: &'a [Layer],
-        work: &'a (dyn Fn(&Setting, &mut Stripe, &mut Share<'_>) + Sync),
-    ) -> Self {
-        Self { layers, only_busy: true, work }
-    }
-
+impl Pass<'_> {
     /// Works on one stripe.
     #[inline]
     fn work_on(&self, setting: &Setting, stripe: &mut Stripe, share: &mut Share<'_>) {
