@@ -72,11 +72,6 @@ impl Marks {
     pub(super) const UNLIKE_IN_SIZE: Self = Self(64);
     pub(super) const UNLIKE_IN_DENSITY: Self = Self(128);
 
-    /// These, and others.
-    pub(super) const fn with(self, others: Self) -> Self {
-        Self(self.0 | others.0)
-    }
-
     /// Whether any of these is so.
     #[inline]
     pub(super) fn has(self, any: Self) -> bool {
@@ -109,7 +104,7 @@ impl std::ops::BitOr for Marks {
 
     #[inline]
     fn bitor(self, other: Self) -> Self {
-        self.with(other)
+        Self(self.0 | other.0)
     }
 }
 

@@ -26,10 +26,6 @@ const LOOSENED: f64 = 0.05;
 /// A direction that turns by more than this in a substep, rad, belongs to another contact than the one before.
 const STEADY: f64 = 0.03;
 
-/// What of a pair tells whether, and as what, it is held apart.
-const TOUCHING: Marks =
-    Marks::LIVE.with(Marks::IDLE).with(Marks::UNLIKE_IN_SIZE).with(Marks::UNLIKE_IN_DENSITY);
-
 impl Stripe {
     /// Looks at all pairs anew, and holds those apart that are close.
     pub(super) fn prepare_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
@@ -40,7 +36,9 @@ impl Stripe {
         }
         self.see_all(setting, share.bodies);
         self.hold_all(setting, share);
-        if !self.carrying_for.stands(&self.marks, TOUCHING, self.constraints.len()) {
+        // Whether, and as what, pairs are held apart.
+        let touching = Marks::LIVE | Marks::IDLE | Marks::UNLIKE_IN_SIZE | Marks::UNLIKE_IN_DENSITY;
+        if !self.carrying_for.stands(&self.marks, touching, self.constraints.len()) {
             self.gather_carrying();
             self.deal_touching();
         }
