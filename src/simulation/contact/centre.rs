@@ -8,7 +8,6 @@ use super::Contact;
 use super::common::mean;
 use super::fates::Fate;
 use super::islands::islands;
-use super::layout::Layer;
 use super::near::Near;
 
 impl Contact {
@@ -18,7 +17,7 @@ impl Contact {
         let Self { setting, bodies, rests, near: Some(near), course, room, pairs: true, .. } = self else {
             return;
         };
-        if setting.grounded || !(course.ended || !room.short.is_empty() || near.any_strays()) {
+        if setting.grounded || !(course.ended || !room.short.is_empty() || near.strays().next().is_some()) {
             return;
         }
         let mut lost: Vec<bool> = course.fates.iter().map(Fate::is_over).collect();
@@ -39,17 +38,11 @@ impl Contact {
 }
 
 impl Near {
-    /// Whether any ball was kept from going where it is not covered.
-    fn any_strays(&self) -> bool {
-        self.stripes.iter().any(|stripe| !stripe.strays.is_empty())
-    }
-
-    /// Those that were.
+    /// The balls that were kept from going where they are not covered.
     fn strays(&self) -> impl Iterator<Item = usize> {
-        let stripes = self
-            .layout
-            .numbers(Layer::Own)
-            .filter_map(|number| Some((self.layout.start(number), self.stripes.get(number)?)));
-        stripes.flat_map(|(start, stripe)| stripe.strays.iter().map(move |&at| start + at as usize))
+        self.stripes.iter().enumerate().flat_map(|(number, stripe)| {
+            let start = self.layout.start(number);
+            stripe.strays.iter().map(move |&at| start + at as usize)
+        })
     }
 }
