@@ -29,12 +29,11 @@ impl Advance for Contact {
                 self.sleep_until(last);
                 break;
             }
-            // One stripe is not worth waking threads for.
-            let is_cut = Layout::of(self.bodies.len()).is_cut();
-            if is_cut {
+            // One stripe is not worth waking threads for, and balls never become fewer.
+            if Layout::of(self.bodies.len()).is_cut() {
                 self.team.start(self.tuning.threads);
             }
-            let team = if is_cut { self.team.clone() } else { Team::default() };
+            let team = self.team.clone();
             team.gather(|| {
                 self.before.clear();
                 if self.steps + self.substeps.next_length() > over {
