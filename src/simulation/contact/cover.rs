@@ -83,7 +83,9 @@ impl Near {
         }
         let covers = |(home, body): (&Home, &Body)| home.covers(body.end(setting.substep));
         let layout = self.layout;
-        let find_leaving = |((homes, bodies), stripe): ((&[Home], &[Body]), &mut Stripe)| {
+        let balls = layout.share_read(Layer::Own, &self.homes).zip(layout.share_read(Layer::Own, bodies));
+        let shares = balls.zip(of_layer(&mut self.stripes, layout, Layer::Own));
+        team.each(shares, |((homes, bodies), stripe)| {
             let Stripe { leaving, strays, .. } = stripe;
             leaving.clear();
             // Mostly there are none, and to count is faster than to gather.
@@ -93,13 +95,7 @@ impl Near {
             let is_covered = |at: u32| covers((&homes[at as usize], &bodies[at as usize]));
             leaving.extend((0..bodies.len() as u32).filter(|&at| !is_covered(at)));
             leaving.extend(strays.iter().filter(|&&at| is_covered(at)));
-        };
-        if let [stripe] = &mut self.stripes[..] {
-            find_leaving(((&self.homes, bodies), stripe));
-        } else {
-            let balls = layout.share_read(Layer::Own, &self.homes).zip(layout.share_read(Layer::Own, bodies));
-            team.each(balls.zip(of_layer(&mut self.stripes, layout, Layer::Own)), find_leaving);
-        }
+        });
         let left: usize = self.stripes.iter().map(|stripe| stripe.leaving.len()).sum();
         if left == 0 {
             return true;

@@ -308,9 +308,10 @@ impl Contact {
             // Nothing changes a velocity but impacts.
             return;
         }
+        let kick = setting.kick;
         // Not that of the last search: balls may have been added since.
-        let (kick, layout) = (setting.kick, Layout::of(bodies.len()));
-        let accelerate = |bodies: &mut [Body]| {
+        let layout = Layout::of(bodies.len());
+        team.each(layout.share(Layer::Own, bodies), |bodies| {
             for body in bodies {
                 if kick == DVec2::ZERO {
                     // Nothing presses: what held balls when they met is of no use any more.
@@ -321,12 +322,7 @@ impl Contact {
                 body.free = body.velocity + if body.inverse_mass > 0.0 { kick } else { DVec2::ZERO };
                 body.velocity += change;
             }
-        };
-        if layout.is_cut() {
-            team.each(layout.share(Layer::Own, bodies), accelerate);
-        } else {
-            accelerate(bodies);
-        }
+        });
     }
 
     /// Looks for pairs anew where what was found no longer covers this substep.

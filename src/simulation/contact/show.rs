@@ -72,12 +72,8 @@ impl Contact {
             }
         };
         let Near { layout, stripes, .. } = near;
-        match &mut stripes[..] {
-            [] => {}
-            [stripe] => find((stripe, held)),
-            _ => Layer::OUTWARD.iter().for_each(|&layer| {
-                team.each(of_layer(stripes, *layout, layer).zip(layout.share(layer, held)), find);
-            }),
+        for &layer in Layer::OUTWARD {
+            team.each(of_layer(stripes, *layout, layer).zip(layout.share(layer, held)), find);
         }
     }
 
