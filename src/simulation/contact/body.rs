@@ -38,6 +38,13 @@ impl Body {
         self.position + self.velocity * substep
     }
 
+    /// Whether it overlaps another by more than this part of the smaller radius.
+    #[inline]
+    pub(super) fn overlaps(&self, other: &Self, part: f64) -> bool {
+        let reach = self.radius + other.radius - part * self.radius.min(other.radius);
+        self.position.distance_squared(other.position) < reach * reach
+    }
+
     /// Whether nothing but gravity acts on it, or nothing moves it.
     #[inline]
     pub(super) fn is_free(&self) -> bool {

@@ -66,12 +66,8 @@ impl Near {
         if count <= FEW || self.found <= near * count {
             return false;
         }
-        let overlaps = |&(first, second): &(usize, usize)| {
-            let (first, second) = (&bodies[first], &bodies[second]);
-            let reach = first.radius + second.radius;
-            first.position.distance_squared(second.position) < reach * reach
-        };
-        self.pairs().filter(overlaps).count() > overlapping * count
+        let overlap = |&(first, second): &(usize, usize)| bodies[first].overlaps(&bodies[second], 0.0);
+        self.pairs().filter(overlap).count() > overlapping * count
     }
 
     /// Covers all balls in a substep in which nothing hits them, if few are not covered yet; whether it could.

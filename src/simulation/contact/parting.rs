@@ -63,17 +63,13 @@ impl Contact {
     pub(super) fn find_parting(&mut self) {
         let Self { bodies, ids, near: Some(near), parting, .. } = self else { return };
         let Some(put) = parting.first else { return };
-        let overlap = |&(first, second): &(usize, usize), part: f64| {
-            let (first, second) = (&bodies[first], &bodies[second]);
-            let least = first.radius + second.radius - part * first.radius.min(second.radius);
-            first.position.distance_squared(second.position) < least * least
-        };
-        let deep = near.pairs().filter(|pair| {
-            let [one, other] = [pair.0, pair.1].map(|at| ids[at]);
+        let deep = near.pairs().filter(|&(first, second)| {
+            let overlap = |part: f64| bodies[first].overlaps(&bodies[second], part);
+            let [one, other] = [first, second].map(|at| ids[at]);
             if [one, other].iter().any(|id| parting.known.binary_search(id).is_ok()) {
-                overlap(pair, APART)
+                overlap(APART)
             } else {
-                parting.left > 0.0 && one.max(other) >= put && overlap(pair, DEEP)
+                parting.left > 0.0 && one.max(other) >= put && overlap(DEEP)
             }
         });
         let mut deep: Vec<usize> = deep.flat_map(|(first, second)| [first, second]).collect();

@@ -258,8 +258,7 @@ impl Pass<'_> {
             let (Stripe { pairs, deep, .. }, Share { bodies, .. }) = (stripe, share);
             deep.extend(pairs.iter().filter(|pair| {
                 let (first, second) = (&bodies[pair.first as usize], &bodies[pair.second as usize]);
-                let least = first.radius + second.radius - DEEPEST * first.radius.min(second.radius);
-                first.position.distance_squared(second.position) < least * least
+                first.overlaps(second, DEEPEST)
             }));
         },
     };

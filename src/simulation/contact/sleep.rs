@@ -192,9 +192,7 @@ impl Contact {
         let mut deep = vec![false; self.bodies.len()];
         let Self { bodies, near: Some(near), .. } = self else { return deep };
         for (i, j) in near.pairs() {
-            let (first, second) = (&bodies[i], &bodies[j]);
-            let reach = first.radius + second.radius - DEEP * first.radius.min(second.radius);
-            if first.position.distance_squared(second.position) < reach * reach {
+            if bodies[i].overlaps(&bodies[j], DEEP) {
                 (deep[i], deep[j]) = (true, true);
             }
         }
