@@ -38,12 +38,12 @@ pub(super) struct Approach {
 impl Approach {
     #[inline]
     #[expect(clippy::needless_bitwise_bool, reason = "a branch here cannot be foreseen by a processor")]
-    pub(super) fn of(setting: &Setting, first: &Body, second: &Body, solve: bool) -> Self {
+    pub(super) fn of(setting: &Setting, first: &Body, second: &Body, held: bool) -> Self {
         let offset = first.position - second.position;
         let closing = offset.dot(first.velocity - second.velocity);
         let reach = first.radius + second.radius;
         // The least that a pair bounces at that presses on each other: a load may ask for more.
-        let firm = if solve { setting.firm * reach } else { 0.0 };
+        let firm = if held { setting.firm * reach } else { 0.0 };
         let reach = reach * reach;
         let squared = offset.length_squared();
         let least = squared + 2.0 * closing.min(0.0) * setting.substep;

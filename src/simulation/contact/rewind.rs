@@ -10,7 +10,7 @@ use std::ops::Range;
 use super::constraints::Marks;
 use super::events::{Event, Spot};
 use super::fates::Fate;
-use super::impacts::Stage;
+use super::impacts::{Stage, pair};
 use super::legs::Leg;
 use super::stripes::{NOWHERE, Stripes};
 use super::turns::Turn;
@@ -138,8 +138,8 @@ impl Past<'_> {
         stripes: &Stripes<'_>,
     ) -> Result<Option<(usize, Spot)>, Elsewhere> {
         let stripe = &stripes.list[spot.stripe as usize];
-        let pair = stripe.pairs[spot.at as usize].from(stripes.layout.start(spot.stripe as usize));
-        let other = if pair.first as usize == body { pair.second } else { pair.first } as usize;
+        let (first, second) = pair(spot, stripes);
+        let other = if first == body { second } else { first };
         // Where it has ended for fast ones, they are not where they were, and what they hit again and again shares their fate.
         if stage.fates[body].ended || stage.fates[other].ended {
             return Ok(None);
@@ -149,23 +149,19 @@ impl Past<'_> {
             // They are held apart, whichever impact comes first, and what that takes of their energy is no loss.
             return Ok(None);
         }
-        let (mut first, mut impact) = (None, self.lasts[other]);
+        let (mut earliest, mut impact) = (None, self.lasts[other]);
         while let Some((until, side)) = self.after(time, other, impact, stripes)? {
             let (this, was) = (&stage.bodies[body], side.before.of_body(&stage.bodies[other]));
             let (this, that) = ((this, &stage.fates[body]), (&was, &side.before.fate));
-            let (bodies, both) = if pair.first as usize == body {
-                ((body, other), [this, that])
-            } else {
-                ((other, body), [that, this])
-            };
+            let both = if first == body { [this, that] } else { [that, this] };
             let since = time.max(side.before.fate.time);
-            let meeting = stage.meeting_of(stripe, spot.at as usize, bodies, both, since);
+            let meeting = stage.meeting_of(stripe, spot.at as usize, (first, second), both, since);
             if meeting.is_some_and(|meeting| meeting.time < until) {
-                first = Some(impact);
+                earliest = Some(impact);
             }
             impact = side.last;
         }
-        Ok(first.map(|impact| (other, impact)))
+        Ok(earliest.map(|impact| (other, impact)))
     }
 
     /// When a body's impact was, if that is after this time, and how it was hit.
