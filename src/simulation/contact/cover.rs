@@ -277,7 +277,8 @@ impl Around<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Contact, Tuning};
+    use super::super::Contact;
+    use super::super::testing::TUNING;
     use super::*;
     use crate::simulation::ball::Ball;
     use crate::simulation::world::{Pairs, World};
@@ -291,8 +292,7 @@ mod tests {
         balls[0] = ball(0).with_velocity(DVec2::new(speed, 0.0)).unwrap();
         let world = World::new(DVec2::splat(4000.0)).unwrap().with_walls(1.0).unwrap();
         let world = world.with_pairs(Pairs::Impulse);
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: false, threads: 1 };
-        let mut contact = Contact::new(&world, &balls, tuning);
+        let mut contact = Contact::new(&world, &balls, TUNING);
         contact.find();
         let near = contact.near.unwrap();
         assert!(speed == 0.0 || near.found > CROWD.0 * balls.len(), "{} near pairs", near.found);

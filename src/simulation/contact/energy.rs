@@ -210,7 +210,8 @@ fn speed_of(energy: f64, velocity: DVec2, kick: DVec2) -> f64 {
 mod tests {
     use super::super::super::ball::Ball;
     use super::super::super::world::{Pairs, World};
-    use super::super::{Body, Tuning};
+    use super::super::Body;
+    use super::super::testing::TUNING;
     use super::*;
 
     /// A heavy ball, a light one and a fixed one, which do not touch.
@@ -224,8 +225,7 @@ mod tests {
         let ball =
             |x: f64, mass: f64| Ball::new(DVec2::new(x, 100.0), 10.0).unwrap().with_mass(mass).unwrap();
         let balls = [ball(100.0, mass), ball(200.0, 1.0), ball(300.0, 1.0).fixed()];
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
-        let mut contact = Contact::new(&world.with_pairs(Pairs::Impulse), &balls, tuning);
+        let mut contact = Contact::new(&world.with_pairs(Pairs::Impulse), &balls, TUNING);
         contact.find();
         contact
     }

@@ -451,3 +451,17 @@ pub(super) fn can_rest(world: &World, balls: &[Ball]) -> bool {
 fn has_pairs(world: &World, balls: &[Ball]) -> bool {
     world.pairs == Some(Pairs::Impulse) && balls.len() > 1
 }
+
+/// What the tests of the parts begin with.
+#[cfg(test)]
+mod testing {
+    use super::{DVec2, Pairs, Tuning, World};
+
+    pub(super) const TUNING: Tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
+
+    /// A world of this size with gravity, walls and pairs.
+    pub(super) fn boxed_world(size: DVec2) -> World {
+        let world = World::new(size).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+        world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse)
+    }
+}

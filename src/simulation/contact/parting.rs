@@ -112,10 +112,8 @@ mod tests {
     use super::super::super::Advance;
     use super::super::super::ball::Ball;
     use super::super::super::world::{Pairs, World};
-    use super::super::Tuning;
+    use super::super::testing::TUNING;
     use super::*;
-
-    const TUNING: Tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
 
     /// A world with gravity, and in it two balls that lie deep in each other, and two that only touch.
     fn two_pairs() -> (World, Vec<Ball>) {

@@ -180,17 +180,14 @@ impl Wall {
 #[cfg(test)]
 mod tests {
     use super::super::super::ball::Ball;
-    use super::super::super::world::{Pairs, World};
-    use super::super::{Tally, Tuning};
+    use super::super::Tally;
+    use super::super::testing::{TUNING, boxed_world};
     use super::*;
 
     /// Balls of radius 10 at these places in a box.
     fn boxed(size: DVec2, places: impl Iterator<Item = DVec2>) -> Contact {
-        let world = World::new(size).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
-        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
         let balls: Vec<Ball> = places.map(|place| Ball::new(place, 10.0).unwrap()).collect();
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
-        Contact::new(&world, &balls, tuning)
+        Contact::new(&boxed_world(size), &balls, TUNING)
     }
 
     /// The same on the floor of one of this width, at these places along it.

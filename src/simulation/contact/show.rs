@@ -209,16 +209,13 @@ impl Contact {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Tuning;
+    use super::super::testing::{TUNING, boxed_world};
     use super::*;
-    use crate::simulation::world::World;
 
     /// The velocity that is shown of a body that moves so, and is given so much by others, both in kicks of gravity, downwards.
     fn shown(speed: f64, given: f64) -> f64 {
-        let world = World::new(DVec2::splat(100.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
         let balls = [Ball::new(DVec2::splat(50.0), 5.0).unwrap()];
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
-        let mut contact = Contact::new(&world.with_walls(0.5).unwrap(), &balls, tuning);
+        let mut contact = Contact::new(&boxed_world(DVec2::splat(100.0)), &balls, TUNING);
         let kick = contact.setting.kick;
         contact.bodies[0].velocity = speed * kick;
         contact.bodies[0].free = (speed - given) * kick;

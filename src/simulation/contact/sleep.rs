@@ -319,18 +319,15 @@ pub(super) fn wake_by_hit(
 #[cfg(test)]
 mod tests {
     use super::super::super::ball::Ball;
-    use super::super::super::world::{Pairs, World};
+    use super::super::Tally;
     use super::super::fates::Fate;
-    use super::super::{Tally, Tuning};
+    use super::super::testing::{TUNING, boxed_world};
     use super::*;
 
     /// A ball that lies on the floor, in beats of so many substeps.
     fn lying(count: u32) -> Contact {
-        let world = World::new(DVec2::splat(100.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
-        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
         let balls = [20.0, 60.0].map(|x| Ball::new(DVec2::new(x, 90.0), 10.0).unwrap());
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
-        let mut contact = Contact::new(&world, &balls, tuning);
+        let mut contact = Contact::new(&boxed_world(DVec2::splat(100.0)), &balls, TUNING);
         contact.substeps.begin_beat_of(count);
         contact
     }
@@ -385,12 +382,8 @@ mod tests {
     fn what_wakes_and_is_let_go_of_throws_none_of_those_that_were_held_against_it() {
         // A ball that sleeps between two awake ones, and what presses both on it and on the walls, in kicks of gravity.
         for squeezed in [2.0, 200.0, 2e4] {
-            let world =
-                World::new(DVec2::new(60.0, 100.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
-            let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
             let balls = [10.0, 30.0, 50.0].map(|x| Ball::new(DVec2::new(x, 90.0), 10.0).unwrap());
-            let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
-            let mut contact = Contact::new(&world, &balls, tuning);
+            let mut contact = Contact::new(&boxed_world(DVec2::new(60.0, 100.0)), &balls, TUNING);
             go(&mut contact, 12);
             let Contact { setting, bodies, rests, near: Some(near), ids, .. } = &mut contact else {
                 panic!()

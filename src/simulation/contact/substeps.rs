@@ -302,6 +302,7 @@ impl Pass<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::Tally;
+    use super::super::testing::TUNING;
     use super::*;
     use crate::simulation::world::Pairs;
 
@@ -313,8 +314,7 @@ mod tests {
         let world = if walls { world.with_walls(0.5).unwrap() } else { world }.with_pairs(Pairs::Impulse);
         let place = |k: u32| DVec2::new(30.0 + 40.0 * f64::from(k / 3), 490.0 - 20.0 * f64::from(k % 3));
         let balls: Vec<_> = (0..60).map(|k| Ball::new(place(k), 10.0).unwrap()).collect();
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: false, threads: 1 };
-        Contact::new(&world, &balls, tuning)
+        Contact::new(&world, &balls, Tuning { sleep: false, ..TUNING })
     }
 
     /// Takes a beat of so many substeps, or of as many as suit; how many these were.
@@ -405,14 +405,13 @@ mod tests {
     #[test]
     fn substeps_are_short_where_more_than_half_of_many_balls_are_of_one_size() {
         let world = World::new(DVec2::splat(1e4)).unwrap().with_gravity(GRAVITY).unwrap();
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
         // So many balls with radii between these, and so many more of this radius.
         let balls = |count: usize, radii: [f64; 2], more: usize, last: f64| -> Vec<Ball> {
             let radius = |k: usize| radii[0] + (radii[1] - radii[0]) * k as f64 / count as f64;
             let radii = (0..count).map(radius).chain(std::iter::repeat_n(last, more));
             radii.map(|radius| Ball::new(DVec2::splat(100.0), radius).unwrap()).collect()
         };
-        let least = |balls: &[Ball]| Substeps::new(&world, balls, tuning).range(balls.len(), GRAVITY)[0];
+        let least = |balls: &[Ball]| Substeps::new(&world, balls, TUNING).range(balls.len(), GRAVITY)[0];
         for (balls, expected) in [
             (balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 0, 9.0), 120),
             (balls(MANY_OF_ONE_SIZE + 1, [5.0, 5.0], 0, 9.0), 240),
@@ -423,11 +422,11 @@ mod tests {
         ] {
             assert_eq!(least(&balls), expected, "{} balls from {}", balls.len(), balls[0].radius);
         }
-        let few = Substeps::new(&world, &balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 0, 9.0), tuning);
+        let few = Substeps::new(&world, &balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 0, 9.0), TUNING);
         let many = balls(MANY_OF_ONE_SIZE + 1, [5.0, 5.0], 0, 9.0);
-        assert_eq!(few.with(&world, &many, tuning).unwrap().range(many.len(), GRAVITY), [240; 2]);
+        assert_eq!(few.with(&world, &many, TUNING).unwrap().range(many.len(), GRAVITY), [240; 2]);
         let small = balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 1, 0.5);
-        assert!(few.with(&world, &small, tuning).is_none(), "so small a ball asks for shorter beats");
+        assert!(few.with(&world, &small, TUNING).is_none(), "so small a ball asks for shorter beats");
     }
 
     #[test]

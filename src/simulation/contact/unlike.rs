@@ -190,23 +190,20 @@ impl Marks {
 #[cfg(test)]
 mod tests {
     use super::super::super::ball::Ball;
-    use super::super::super::world::{Pairs, World};
+    use super::super::testing::{TUNING, boxed_world};
     use super::super::{Contact, DVec2, Tally, Tuning};
     use super::*;
 
     /// Balls of these radii and masses upon each other, from the floor up, after a second.
     fn column(of: &[(f64, f64)]) -> Contact {
-        let world =
-            World::new(DVec2::new(400.0, 5000.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
-        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
         let mut y = 5000.0;
         let mut place = |&(radius, mass): &(f64, f64)| {
             y -= 2.0 * radius;
             Ball::new(DVec2::new(200.0, y + radius), radius).unwrap().with_mass(mass).unwrap()
         };
         let balls: Vec<Ball> = of.iter().map(&mut place).collect();
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: false, threads: 1 };
-        let mut contact = Contact::new(&world, &balls, tuning);
+        let mut contact =
+            Contact::new(&boxed_world(DVec2::new(400.0, 5000.0)), &balls, Tuning { sleep: false, ..TUNING });
         (0..240).for_each(|_| contact.step(&mut Tally::default()));
         contact
     }

@@ -252,9 +252,9 @@ fn make_heavier(bodies: &[Body], counted: &mut [f64], heavy: usize, light: usize
 #[cfg(test)]
 mod tests {
     use super::super::super::ball::Ball;
-    use super::super::super::world::{Pairs, World};
+    use super::super::Tally;
     use super::super::constraints::Pair;
-    use super::super::{Tally, Tuning};
+    use super::super::testing::{TUNING, boxed_world};
     use super::*;
 
     fn ball(x: f64, y: f64, (radius, mass): (f64, f64)) -> Ball {
@@ -263,10 +263,8 @@ mod tests {
 
     /// These balls, and one at a wall: where something may be carried, balls count as heavier.
     fn contact(balls: &[Ball]) -> Contact {
-        let world = World::new(DVec2::splat(200.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
-        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
         let balls = [balls, &[ball(5.0, 5.0, (5.0, 1.0))]].concat();
-        Contact::new(&world, &balls, Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 })
+        Contact::new(&boxed_world(DVec2::splat(200.0)), &balls, TUNING)
     }
 
     /// What each ball counts with.
@@ -358,12 +356,10 @@ mod tests {
 
     #[test]
     fn in_flight_balls_weigh_what_they_do() {
-        let world = World::new(DVec2::splat(2000.0)).unwrap().with_gravity(DVec2::new(0.0, 980.0)).unwrap();
-        let world = world.with_walls(0.5).unwrap().with_pairs(Pairs::Impulse);
+        let world = boxed_world(DVec2::splat(2000.0));
         let balls = [ball(100.0, 100.0, (5.0, 1000.0)), ball(100.0, 110.0, (5.0, 1.0))];
-        let tuning = Tuning { rest_speed: 1.0, substeps: None, sleep: true, threads: 1 };
         for fall in [DVec2::ZERO, DVec2::new(0.0, 1884.9)] {
-            let mut contact = Contact::new(&world, &balls, tuning);
+            let mut contact = Contact::new(&world, &balls, TUNING);
             for body in &mut contact.bodies {
                 body.position += fall;
             }
