@@ -61,11 +61,10 @@ pub(super) struct Cargo<'a> {
 
 impl Near {
     /// Searches anew.
-    pub(super) fn search(&mut self, mut cargo: Cargo<'_>, setting: &Setting, pairs: bool, team: &Team) {
+    pub(super) fn search(&mut self, mut cargo: Cargo<'_>, setting: &Setting, team: &Team) {
         let places =
             if self.searches % SEARCHES_PER_ORDER == 1 { self.put_in_order(&mut cargo) } else { None };
         self.searches += 1;
-        self.seeks_pairs = pairs;
         self.moved = 0;
         let bodies: &[Body] = cargo.bodies;
         self.keep(Layout::of(bodies.len()), places.as_deref());
@@ -74,7 +73,7 @@ impl Near {
         self.crossing.resize(bodies.len(), Layer::Own);
         self.find_homes(bodies, cargo.rests, setting, team);
         self.found = 0;
-        if pairs {
+        if self.seeks_pairs {
             self.find_pairs(bodies, setting, team);
             self.take_pairs(bodies, cargo.rests, setting, team);
             self.found = self.pair_count();

@@ -201,7 +201,7 @@ impl Contact {
             restitutions: balls.iter().map(|ball| ball.restitution).collect(),
             ids: (0..balls.len() as u32).collect(),
             places: Vec::new(),
-            near: (pairs || world.walls.is_some()).then(Near::default),
+            near: (pairs || world.walls.is_some()).then(|| Near::new(pairs)),
             team: Team::default(),
             pairs,
             held: Vec::new(),
@@ -328,25 +328,14 @@ impl Contact {
     /// Looks for pairs anew where what was found no longer covers this substep.
     #[inline]
     fn find(&mut self) {
-        let Self {
-            setting,
-            bodies,
-            restitutions,
-            ids,
-            rests,
-            near: Some(near),
-            team,
-            pairs,
-            hit,
-            before,
-            ..
-        } = self
+        let Self { setting, bodies, restitutions, ids, rests, near: Some(near), team, hit, before, .. } =
+            self
         else {
             return;
         };
         let searched = !near.keep_up(bodies, setting, team);
         if searched {
-            near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, *pairs, team);
+            near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, team);
         }
         let grounded = setting.has_fixed || near.beside().next().is_some();
         let landed = std::mem::replace(&mut setting.grounded, grounded) != grounded;

@@ -63,6 +63,11 @@ pub(super) struct Gathered {
 }
 
 impl Near {
+    /// Of nothing yet; whether it `seeks_pairs`, too, or what is beside walls alone.
+    pub(super) fn new(seeks_pairs: bool) -> Self {
+        Self { seeks_pairs, ..Self::default() }
+    }
+
     /// All stripes.
     pub(super) fn all(&mut self) -> Stripes<'_> {
         Stripes { layout: self.layout, list: &mut self.stripes }

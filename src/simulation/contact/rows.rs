@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn what_flies_through_others_stays_on_the_wall() {
-        let off = off_floor(Contact { pairs: false, ..squeezed() });
+        let off = off_floor(Contact { pairs: false, near: Some(Near::new(false)), ..squeezed() });
         assert!(off.iter().all(|&off| off.abs() < 1e-9), "{off:?}");
     }
 
