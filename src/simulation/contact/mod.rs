@@ -142,6 +142,14 @@ struct Setting {
     gripping: f64,
 }
 
+impl Setting {
+    /// The place of a ball that is nearest to this one, between the walls where there are any.
+    #[inline]
+    fn inside(&self, place: DVec2, radius: f64) -> DVec2 {
+        if self.walls.is_some() { within(place, radius, self.size) } else { place }
+    }
+}
+
 /// The solver.
 #[derive(Debug, Clone)]
 pub(super) struct Contact {

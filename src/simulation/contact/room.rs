@@ -11,7 +11,6 @@
 
 use glam::DVec2;
 
-use super::super::within;
 use super::constraints::Pair;
 use super::fates::Limits;
 use super::layout::{Layer, Layout};
@@ -182,12 +181,7 @@ impl Room {
             } else {
                 DVec2::ZERO
             };
-            let target = end - unknown;
-            let target = if setting.walls.is_some() {
-                within(target, bodies[at].radius, setting.size)
-            } else {
-                target
-            };
+            let target = setting.inside(end - unknown, bodies[at].radius);
             self.short.push(Short { body: at, target, end });
             bodies[at].position = start;
             found.extend(near.all().around(at).filter(|&other| {
@@ -208,8 +202,7 @@ impl Room {
                 let go = way * free_share(body, way, bodies, stripes);
                 any |= go.length() > DEEPEST * bodies[body].radius;
                 let to = bodies[body].position + go;
-                bodies[body].position =
-                    if setting.walls.is_some() { within(to, bodies[body].radius, setting.size) } else { to };
+                bodies[body].position = setting.inside(to, bodies[body].radius);
             }
             if !any {
                 break;

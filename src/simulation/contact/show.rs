@@ -2,8 +2,8 @@
 
 use glam::{BVec2, DVec2};
 
+use super::super::Frame;
 use super::super::ball::Ball;
-use super::super::{Frame, within};
 use super::layout::Layer;
 use super::near::Near;
 use super::stripes::{Stripe, of_layer};
@@ -146,9 +146,9 @@ impl Contact {
     /// Where a body is that flies, and would be in this `place` on its straight way: gravity has bent that. But what is foreseen
     /// of it follows the straight way, which may come to a wall a little later: never beyond one.
     fn bent(&self, at: usize, place: DVec2, share: f64) -> DVec2 {
-        let Setting { substep, kick, size, walls, .. } = self.setting;
+        let Setting { substep, kick, .. } = self.setting;
         let place = place - 0.5 * share * (1.0 - share) * substep * kick;
-        if walls.is_some() { within(place, self.bodies[at].radius, size) } else { place }
+        self.setting.inside(place, self.bodies[at].radius)
     }
 
     /// A body that was hit, by nothing but impacts, on its ways between these; [`None`] where something else has moved it,
