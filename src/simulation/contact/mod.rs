@@ -415,7 +415,7 @@ impl Pass<'_> {
         layers: &[Layer::Own],
         only_busy: false,
         work: &|setting, stripe, Share { bodies, homes, .. }| {
-            let Setting { substep, size, walls, .. } = *setting;
+            let Setting { substep, size, .. } = *setting;
             for ((at, body), home) in (0..).zip(bodies.iter_mut()).zip(homes.iter()) {
                 body.position += body.velocity * substep;
                 if !home.covers(body.position) {
@@ -423,10 +423,7 @@ impl Pass<'_> {
                     stripe.strays.push(at);
                 }
             }
-            if walls.is_none() {
-                return;
-            }
-            // No others can be at a wall.
+            // No others can be at a wall; where there is none, none is beside one.
             for beside in &stripe.beside {
                 let body = &mut bodies[beside.body as usize];
                 if body.inverse_mass > 0.0 {
