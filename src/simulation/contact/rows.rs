@@ -128,7 +128,7 @@ impl Wall {
             let Body { position, radius, .. } = bodies[at];
             // What is unlike those around it may bear many times what it weighs, and would lift that, too.
             let narrow = setting.size[self.axis] < NARROW * radius;
-            let moves = rests[at].own > 0.0 && !rests[at].unlike.differs() && !narrow;
+            let moves = !rests[at].unlike.differs() && !narrow;
             Link { at, place: position, radius, moves }
         });
         row.extend(links.filter(|link| self.distance(setting, link.place) < (1.0 + OFF) * link.radius));
