@@ -46,7 +46,6 @@ impl Stage<'_> {
             *fate = Fate::at_start(body.velocity.length_squared() < firm, is_fast(self.setting, body));
             any_fast |= fate.fast;
         }
-        self.queue.clear();
         any_fast
     }
 

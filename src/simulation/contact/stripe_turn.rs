@@ -43,7 +43,6 @@ impl StripeTurn<'_> {
     fn foresee_all(&mut self) {
         self.stripes.list[0].left_events.clear();
         self.stripes.list[0].left_bodies.clear();
-        self.stage.queue.clear();
         self.stage.foresee_all(&mut self.stripes);
     }
 

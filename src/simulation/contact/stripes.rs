@@ -62,7 +62,7 @@ pub(super) struct Stripe {
     pub(super) disturbed: Vec<(u32, f64)>,
     /// Places of pairs that may meet in a substep.
     pub(super) nearing: Vec<u32>,
-    /// Impacts that are foreseen.
+    /// Impacts that are foreseen; none between turns.
     pub(super) queue: BinaryHeap<Event>,
     /// Impacts that are left to a later turn, and bodies whose impacts are after they were hit.
     pub(super) left_events: Vec<Event>,

@@ -167,7 +167,6 @@ impl Contact {
 /// Takes all impacts that are left by turns before.
 fn take_left(stage: &mut Stage<'_>, near: &mut Near, mut past: Past<'_>) {
     let (layout, count) = (near.layout, stage.bodies.len());
-    stage.queue.clear();
     let mut left = Vec::new();
     for (number, stripe) in near.stripes.iter().enumerate() {
         stage.queue.extend(stripe.left_events.iter().map(|event| event.of_stripe(number)));
