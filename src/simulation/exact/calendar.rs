@@ -55,8 +55,6 @@ pub(super) enum Dawn {
 /// Events in their order in time.
 #[derive(Debug, Clone)]
 pub(super) struct Calendar {
-    /// The length of the year, s.
-    span: f64,
     /// The length of a day, s.
     day: f64,
     days_per_second: f64,
@@ -153,7 +151,6 @@ impl Calendar {
     /// A calendar for the events of so many balls; its first year has yet to [`begin`](Self::begin).
     pub(super) fn new(balls: usize) -> Self {
         Self {
-            span: 0.0,
             day: 0.0,
             days_per_second: 0.0,
             days: vec![Day::default(); days(balls) + 1],
@@ -175,7 +172,6 @@ impl Calendar {
 
     /// Begins an empty year of `span` seconds, a power of two.
     pub(super) fn begin(&mut self, span: f64) {
-        self.span = span;
         self.day = span / self.beyond() as f64;
         self.days_per_second = 1.0 / self.day;
         self.days.iter_mut().for_each(|day| day.count = 0);
@@ -324,8 +320,9 @@ impl Calendar {
 
     /// The last of the year's moments that is not later than `time`.
     pub(super) fn moment_before(&self, time: f64) -> f64 {
+        let span = self.day * self.beyond() as f64;
         // All are powers of two, except the whole number of moments.
-        (time / self.span * MOMENTS).floor() / MOMENTS * self.span
+        (time / span * MOMENTS).floor() / MOMENTS * span
     }
 
     /// When the open day ends and the next begins, s since the year began.
