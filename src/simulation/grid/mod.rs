@@ -140,14 +140,9 @@ impl Grid {
     }
 
     /// Calls `contact` with each pair (i, j), i < j, that touches, in no particular order, and keeps none of them.
-    pub fn for_each(&mut self, balls: &[Ball], contact: impl FnMut(u32, u32)) {
-        self.for_each_disc(balls, contact);
-    }
-
-    /// The same for discs of any kind.
-    pub(super) fn for_each_disc(&mut self, discs: &[impl Disc], mut contact: impl FnMut(u32, u32)) {
-        self.sort_into_cells(discs);
-        self.compare_neighbours(&mut contact);
+    pub fn for_each(&mut self, balls: &[Ball], mut contact: impl FnMut(u32, u32)) {
+        self.sort_into_cells(balls);
+        self.neighbours(0..self.rows, &mut |ball, others| compare(ball, others, &mut contact));
         self.compare_large(&mut contact);
     }
 
@@ -215,13 +210,9 @@ impl Grid {
         }
     }
 
-    /// Compares each ball in a cell with those after it there, and with those of the cells east, south-west, south
-    /// and south-east: each pair of neighbouring cells is visited once.
-    fn compare_neighbours(&self, contact: &mut impl FnMut(u32, u32)) {
-        self.neighbours(0..self.rows, &mut |ball, others| compare(ball, others, contact));
-    }
-
-    /// Calls `visit` with each ball in a cell of these rows and those that it is to be compared with, in groups.
+    /// Calls `visit` with each ball in a cell of these rows and those that it is to be compared with, in groups: those after
+    /// it there, and those of the cells east, south-west, south and south-east, so that each pair of neighbouring cells is
+    /// visited once.
     #[inline]
     fn neighbours(&self, among: Range<usize>, visit: &mut impl FnMut(&Entry, &[Entry])) {
         let Self { columns, rows, starts, sorted, .. } = self;
