@@ -137,11 +137,11 @@ impl Exact {
         let (before, speed) = (velocity[axis], sign * velocity[axis]);
         let pressed = N::HOLDS && sign * self.gravity[axis] > 0.0;
         let chatter_speed = self.chatter_speed(slot, now);
+        let chatters = speed < chatter_speed;
         let rests = self.jams(radius, axis) || (pressed && self.too_slow(speed));
-        velocity[axis] = if rests { 0.0 } else { -before * self.wall_restitution(speed < chatter_speed) };
+        velocity[axis] = if rests { 0.0 } else { -before * self.wall_restitution(chatters) };
         tally.wall_hits += u64::from(speed > 0.0);
         tally.wall_impulse[axis] += mass * (velocity[axis] - before);
-        let chatters = speed < chatter_speed;
         // That of an elastic wall says nothing: it would lose nothing either way.
         let counts = !chatters || self.wall_restitution(false) < 1.0;
         self.set_out(slot, (position, velocity), now);
