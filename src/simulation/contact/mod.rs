@@ -96,11 +96,6 @@ use team::Team;
 use turns::Course;
 use unlike::Unlike;
 
-/// A pair that holds each other bounces only where it meets faster than [`Setting::firm`] and this part of the velocity
-/// that the constraint gives it in a substep, but no more than so many kicks of gravity: under a great load, what is left to be
-/// found of that is no impact.
-const PRESSED: (f64, f64) = (0.2, 200.0);
-
 /// A ball that an impact shifts by less than this part of its radius counts as not shifted.
 const SHIFT: f64 = 0.02;
 

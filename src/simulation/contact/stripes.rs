@@ -15,7 +15,12 @@ use super::prepare::Followed;
 use super::rewind::Taken;
 use super::substeps::CARRIED;
 use super::unlike::Unlike;
-use super::{Body, DVec2, PRESSED, Setting};
+use super::{Body, DVec2, Setting};
+
+/// A pair that holds each other bounces only where it meets faster than [`Setting::firm`] and this part of the velocity
+/// that the constraint gives it in a substep, but no more than so many kicks of gravity: under a great load, what is left to be
+/// found of that is no impact.
+const PRESSED: (f64, f64) = (0.2, 200.0);
 
 /// The place of a ball that is not beside a wall, and of the constraint of a pair that has none.
 pub(super) const NOWHERE: u32 = u32::MAX;
