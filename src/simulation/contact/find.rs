@@ -1,4 +1,4 @@
-//! Which balls may touch each other, or a wall, before long.
+//! Which balls may touch each other, or a wall, before long (broad phase).
 //!
 //! A search finds all pairs that can meet while no ball is farther than its *reach* from where it was then (its *home*;
 //! Verlet 1967). A search holds until a ball is about to go farther, so a pile at rest is searched once.

@@ -1,4 +1,4 @@
-//! Two balls that meet in a substep: when, and what they do to each other.
+//! Two balls that meet in a substep: when (time of impact), and what they do to each other (impulse).
 
 use glam::DVec2;
 
