@@ -45,6 +45,13 @@ impl Body {
         self.position.distance_squared(other.position) < reach * reach
     }
 
+    /// How deep it lies in another, in the smaller radius; less than 0 where it does not.
+    #[inline]
+    pub(super) fn depth_in(&self, other: &Self) -> f64 {
+        let apart = self.position.distance(other.position);
+        (self.radius + other.radius - apart) / self.radius.min(other.radius)
+    }
+
     /// Whether nothing but gravity acts on it, or nothing moves it.
     #[inline]
     pub(super) fn is_free(&self) -> bool {

@@ -3,7 +3,8 @@
 //! A ball falls asleep where it is held, and has hardly moved for a while. It wakes where something hits it firmly, or
 //! where what holds it and what lies on it no longer balance its weight: then it moves, and those that lean on it wake
 //! in turn, as far as the change is felt. So there are no islands to keep, and a ball that lands on a large pile wakes
-//! what it shakes. One that finds no rest among sleepers wakes them, so that they make room.
+//! what it shakes. One that finds no rest among sleepers wakes them, so that they make room; but one that lies still, a little too
+//! deep in others that do not give way, sleeps in the end, too: what it wakes falls a little deeper into each other, time after time.
 
 use glam::DVec2;
 
@@ -24,12 +25,17 @@ const DRIFT: f64 = 0.25;
 /// ... and slower than one kick in the end, or, where it was hit just then and not in the substep before, than so many: one that
 /// leans on others may hop on them for ever in every other substep. (One was seen to, 1.3 kicks fast, by 0.0002 of its radius.)
 const HOP: f64 = 2.0;
-/// A ball that overlaps another by more than this part of the smaller radius is not at rest.
+/// A ball that overlaps another by more than this part of the smaller radius is not at rest ...
 pub(super) const DEEP: f64 = 0.05;
+/// ... but one that is no deeper than this in any has jammed, where it lay still so often in a row when that was looked at. The second
+/// number is for many of one size: a crystal has no room to give, and they would not part if they lay awake for minutes; the others
+/// mostly do within five seconds.
+const JAMMED: f64 = 0.1;
+const JAMMED_AFTER: (u8, u8) = (11, 4);
 /// What swings may be where it was when the window ends, but not after so many eighths of it, too.
 const EIGHTHS: u64 = 3;
 /// A ball that has had no rest when this was looked at so often wakes those that hold it.
-const RESTLESS: u32 = 4;
+const RESTLESS: u32 = 8;
 /// A ball at rest wakes where what acts on it differs from balance by more than this part of its weight: one of two that carried
 /// it may have gone away little by little ...
 const WEIGHT: f64 = 0.15;
@@ -59,6 +65,8 @@ pub(super) struct Rest {
     last: Option<(DVec2, bool)>,
     /// How often its rest was looked at, and it had none, since it last slept, or woke those that hold it.
     pub(super) restless: u32,
+    /// How often in a row it lay still when its rest was looked at, but deep in others.
+    jammed: u8,
     /// In how many substeps in a row, of those in which room was looked for, it has had none to go on (`room`).
     pub(super) stuck: u8,
 }
@@ -75,6 +83,7 @@ impl Rest {
             swung: false,
             last: None,
             restless: 0,
+            jammed: 0,
             stuck: 0,
         }
     }
@@ -131,8 +140,10 @@ impl Contact {
     fn put_to_sleep(&mut self, window: u64) {
         let team = self.team.clone();
         self.find_held(&team);
-        let deep = self.find_deep();
+        let depths = self.depths();
         let drift = self.drift(window);
+        let (usual, of_one_size) = JAMMED_AFTER;
+        let jammed_after = if self.substeps.of_one_size { of_one_size } else { usual };
         let Self { setting, bodies, rests, near: Some(near), held, course, .. } = self else { return };
         let step = setting.kick.length() * setting.substep;
         let still = |at: usize, body: &Body, rest: &Rest| {
@@ -145,9 +156,14 @@ impl Contact {
                 || (body.position.distance_squared(last) < step * step && !hops);
             slow && !rest.swung && body.position.distance_squared(rest.anchor) < drift * drift
         };
-        let looked_at = bodies.iter().zip(&*rests).enumerate();
-        let still: Vec<bool> =
-            looked_at.map(|(at, (body, rest))| !deep[at] && still(at, body, rest)).collect();
+        let looked_at = bodies.iter().zip(&mut *rests).zip(&depths).enumerate();
+        let still: Vec<bool> = looked_at
+            .map(|(at, ((body, rest), &depth))| {
+                let is_still = still(at, body, rest);
+                rest.jammed = if is_still && depth > DEEP { rest.jammed.saturating_add(1) } else { 0 };
+                is_still && (depth <= DEEP || (depth <= JAMMED && rest.jammed >= jammed_after))
+            })
+            .collect();
         near.link_pairs(bodies.len());
         let loads = Resting { setting, bodies, rests, held, stripes: near.all() }.loads(&still);
         for (at, (body, rest)) in bodies.iter_mut().zip(&mut *rests).enumerate() {
@@ -187,16 +203,15 @@ impl Contact {
         self.wake_unbalanced();
     }
 
-    /// Which bodies overlap others deeply.
-    fn find_deep(&self) -> Vec<bool> {
-        let mut deep = vec![false; self.bodies.len()];
-        let Self { bodies, near: Some(near), .. } = self else { return deep };
+    /// How deep each body lies in others at most, in the smaller radius.
+    fn depths(&self) -> Vec<f64> {
+        let mut depths = vec![0.0_f64; self.bodies.len()];
+        let Self { bodies, near: Some(near), .. } = self else { return depths };
         for (i, j) in near.pairs() {
-            if bodies[i].overlaps(&bodies[j], DEEP) {
-                (deep[i], deep[j]) = (true, true);
-            }
+            let depth = bodies[i].depth_in(&bodies[j]);
+            (depths[i], depths[j]) = (depths[i].max(depth), depths[j].max(depth));
         }
-        deep
+        depths
     }
 
     /// Wakes those that hold a ball which has not come to rest for long: between balls that do not give way
@@ -411,6 +426,32 @@ mod tests {
                 let thrown = (body.velocity - body.free).length();
                 assert!(thrown <= THROWN * kick.length(), "{squeezed}: {thrown}");
             }
+        }
+    }
+
+    /// When two balls of radius 10 that lie in each other by this part of it, in a box without room for them, are asleep, s; and
+    /// whether that is so because many are of one size.
+    fn jammed(depth: f64, of_one_size: bool) -> Option<f64> {
+        let width = 40.0 - 10.0 * depth;
+        let balls = [10.0, width - 10.0].map(|x| Ball::new(DVec2::new(x, 10.2), 10.0).unwrap());
+        let mut contact = Contact::new(&boxed_world(DVec2::new(width, 20.2)), &balls, TUNING);
+        contact.substeps.of_one_size = of_one_size;
+        while !contact.all_asleep && contact.steps < 20 * u64::from(contact.substeps.rate) {
+            contact.step(&mut Tally::default());
+        }
+        contact.all_asleep.then(|| contact.steps as f64 / f64::from(contact.substeps.rate))
+    }
+
+    #[test]
+    fn what_lies_still_in_another_that_has_no_room_to_give_sleeps_after_five_seconds_and_a_half() {
+        for (depth, of_one_size, asleep) in [
+            (0.04, false, Some(0.5)),
+            (0.07, false, Some(5.5)),
+            (0.07, true, Some(2.0)),
+            (0.15, false, None),
+            (0.15, true, None),
+        ] {
+            assert_eq!(jammed(depth, of_one_size), asleep, "{depth}, {of_one_size}");
         }
     }
 

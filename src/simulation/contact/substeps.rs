@@ -70,8 +70,8 @@ pub(super) struct Substeps {
     pub(super) rate: u32,
     /// How many times shorter than usual beats are; [`None`] where the number of substeps was asked for.
     shortened: Option<u32>,
-    /// Whether all are short, since so many balls are of one size.
-    all_short: bool,
+    /// Whether so many balls are of one size that they lie in crystals: then all are short.
+    pub(super) of_one_size: bool,
     /// Substeps in the beat that the last one was in, and in that of the next.
     count: u32,
     next: u32,
@@ -84,13 +84,13 @@ impl Substeps {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
         let shortened = tuning.substeps.is_none().then(|| shortened(world, balls));
         let rate = shortened.map(|times| BEATS * PARTS * times).or(tuning.substeps).unwrap_or_default();
-        Self { rate, shortened, all_short: are_many_of_one_size(balls), count: MOST, next: MOST, calm: 0 }
+        Self { rate, shortened, of_one_size: are_many_of_one_size(balls), count: MOST, next: MOST, calm: 0 }
     }
 
     /// The same for more balls, unless these ask for shorter beats.
     pub(super) fn with(&self, world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
-        let Self { rate, all_short, .. } = Self::new(world, balls, tuning);
-        (rate == self.rate).then_some(Self { all_short, ..*self })
+        let Self { rate, of_one_size, .. } = Self::new(world, balls, tuning);
+        (rate == self.rate).then_some(Self { of_one_size, ..*self })
     }
 
     /// Has the next beat of so many.
@@ -107,7 +107,7 @@ impl Substeps {
     /// The fewest and the most in a second of so many balls under this gravity.
     pub(super) fn range(&self, balls: usize, gravity: DVec2) -> [u32; 2] {
         match self.shortened {
-            Some(times) if varies(balls, gravity) && !self.all_short => {
+            Some(times) if varies(balls, gravity) && !self.of_one_size => {
                 [FEWEST, MOST].map(|count| BEATS * times * count)
             }
             _ => [self.per_second(); 2],
@@ -122,7 +122,7 @@ impl Substeps {
     /// Whether few balls were hit for so long that what goes on among them is no crash. That is never so where many are of one
     /// size: crystals come to rest later where the energy of what moves in them is not kept.
     pub(super) fn are_at_rest(&self) -> bool {
-        !self.all_short && self.calm >= AT_REST
+        !self.of_one_size && self.calm >= AT_REST
     }
 
     /// How long a substep takes.
@@ -255,7 +255,7 @@ impl Contact {
         if !steps.is_multiple_of(u64::from(PARTS)) {
             return;
         }
-        let rough = substeps.all_short
+        let rough = substeps.of_one_size
             || substeps.calm < beats
             || near.touched_unlike > 0
             || *asleep * MANY_ASLEEP > bodies.len();
