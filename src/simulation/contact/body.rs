@@ -41,8 +41,7 @@ impl Body {
     /// Whether it overlaps another by more than this part of the smaller radius.
     #[inline]
     pub(super) fn overlaps(&self, other: &Self, part: f64) -> bool {
-        let reach = self.radius + other.radius - part * self.radius.min(other.radius);
-        self.position.distance_squared(other.position) < reach * reach
+        self.depth_in(other) > part
     }
 
     /// How deep it lies in another, in the smaller radius; less than 0 where it does not.
