@@ -25,7 +25,6 @@ Examples:
   carom run gravity --commands carom-gravity-1.replay --trace states.csv
   carom run walls --size 800x600 --seconds 0 --image first.png";
 
-#[cfg(feature = "report")]
 const REPORT_EXAMPLES: &str = "\
 Examples:
   carom report                          everything, in report/report.md, in some minutes
@@ -48,8 +47,7 @@ pub enum Command {
     #[command(after_help = RUN_EXAMPLES)]
     Run(Box<RunArgs>),
     /// Measure the solvers: error against run time, extreme cases, what each part costs
-    #[cfg(feature = "report")]
-    #[command(after_help = REPORT_EXAMPLES)]
+    #[command(after_help = REPORT_EXAMPLES, hide = cfg!(not(feature = "report")))]
     Report(ReportArgs),
     /// List the built-in scenes: what each shows, uses and leaves out
     #[command(after_help = "Examples:\n  carom scenes\n  carom scenes --json")]
@@ -72,7 +70,7 @@ pub struct SceneArgs {
     /// How balls are moved on: canvas, exact or contact [default: the scene's own]
     #[arg(long)]
     pub solver: Option<Solver>,
-    /// Add N random balls
+    /// Add N random balls, smaller ones where there is no room for larger
     #[arg(
         long,
         value_name = "N",
@@ -168,7 +166,6 @@ pub struct RunArgs {
     pub summary: Option<PathBuf>,
 }
 
-#[cfg(feature = "report")]
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     /// The folder to write the report to
@@ -229,10 +226,10 @@ fn ending_in(path: PathBuf, wanted: &str) -> Result<PathBuf, String> {
 fn size(text: &str) -> Result<DVec2, String> {
     let parse = || {
         let (width, height) = text.split_once(['x', 'X'])?;
-        Some((width.parse::<u32>().ok()?, height.parse::<u32>().ok()?))
+        Some((width.parse::<u64>().ok()?, height.parse::<u64>().ok()?))
     };
     let (width, height) = parse().ok_or("write width and height in whole px, such as 1280x720")?;
-    let size = DVec2::new(width.into(), height.into());
+    let size = DVec2::new(width as f64, height as f64);
     SIZE.check_vector(size).map_err(|error| error.to_string())
 }
 

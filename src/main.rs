@@ -30,7 +30,6 @@ fn main() -> ExitCode {
     let done = match cli.command {
         None => open_window(&cli.window),
         Some(Command::Run(args)) => run(*args),
-        #[cfg(feature = "report")]
         Some(Command::Report(args)) => write_report(args),
         Some(Command::Scenes { json }) => list_scenes(json),
         Some(Command::Scene { scene }) => print_scene(&scene),
@@ -68,6 +67,9 @@ enum Failure {
         "this carom was built without its window; build it with the default features, or call carom run {0}"
     )]
     NoWindow(String),
+    #[cfg(not(feature = "report"))]
+    #[error("this carom was built without its report; build it with the default features")]
+    NoReport,
 }
 
 impl Failure {
@@ -180,6 +182,11 @@ fn write_report(args: cli::ReportArgs) -> Result<(), Failure> {
     let options = report::Options { folder: args.out, quick: args.quick, only: args.only, program };
     let written = report::write(&options)?;
     Ok(write_stdout(&format!("{}\n", written.display()))?)
+}
+
+#[cfg(not(feature = "report"))]
+fn write_report(_: cli::ReportArgs) -> Result<(), Failure> {
+    Err(Failure::NoReport)
 }
 
 fn list_scenes(json: bool) -> Result<(), Failure> {

@@ -64,13 +64,20 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Takes the frame of this number, from 0; they must be taken in their order.
-    pub(super) fn advance(&mut self, frame: u64) -> Result<(), crate::OutOfRange> {
+    /// Takes the frame of this number, from 0; they must be taken in their order. Now and then it calls `wait`, except
+    /// where it plays again what was done in a window, where no frame took long.
+    pub(super) fn advance(&mut self, frame: u64, wait: &mut dyn FnMut()) -> Result<(), crate::OutOfRange> {
+        let go_on = || {
+            wait();
+            true
+        };
         match self {
             Self::Frames { simulation, rain: Some(rain), frames } => {
-                rain.advance_while(simulation, frames.delta(frame), || true).map(drop)
+                rain.advance_while(simulation, frames.delta(frame), go_on).map(drop)
             }
-            Self::Frames { simulation, rain: None, frames } => simulation.advance(frames.delta(frame)),
+            Self::Frames { simulation, rain: None, frames } => {
+                simulation.advance_while(frames.delta(frame), go_on).map(drop)
+            }
             Self::Replay(replay) => replay.advance().map(drop),
         }
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::scene::{read_up_to, shown};
-use crate::simulation::limits::{DELTA, OutOfRange};
+use crate::simulation::limits::{DELTA, OutOfRange, Short};
 
 /// The frames of a run, one delta in seconds each.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,15 +76,24 @@ impl Frames {
     /// [`FramesError::Range`] where one of the two makes no sense.
     pub fn even(seconds: f64, rate: f64) -> Result<Self, FramesError> {
         if !(0.0..=LONGEST).contains(&seconds) {
-            return Err(FramesError::Range(format!("--seconds is {seconds}; give 0 to {LONGEST:e}")));
+            return Err(FramesError::Range(format!(
+                "--seconds is {}; give 0 to {LONGEST:e}",
+                Short(seconds)
+            )));
         }
         if !(RATES.0..=RATES.1).contains(&rate) {
-            return Err(FramesError::Range(format!("--fps is {rate}; give {:e} to {:e}", RATES.0, RATES.1)));
+            return Err(FramesError::Range(format!(
+                "--fps is {}; give {:e} to {:e}",
+                Short(rate),
+                RATES.0,
+                RATES.1
+            )));
         }
         let frames = seconds * rate;
         if frames > MOST_FRAMES {
             return Err(FramesError::Range(format!(
-                "--seconds {seconds} at --fps {rate} are {frames:e} frames; ask for at most {MOST_FRAMES:e}"
+                "--seconds {seconds} at --fps {} are {frames:e} frames; ask for at most {MOST_FRAMES:e}",
+                Short(rate)
             )));
         }
         let delta = 1.0 / rate;

@@ -5,6 +5,7 @@ mod course;
 mod frames;
 mod output;
 mod outputs;
+mod patience;
 mod progress;
 mod summary;
 mod unfinished;
@@ -22,6 +23,7 @@ use course::Player;
 pub use frames::{Frames, FramesError};
 pub use output::{Output, OutputError};
 use outputs::Outputs;
+use patience::Patience;
 pub(crate) use progress::Progress;
 pub use summary::Summary;
 use summary::Watched;
@@ -135,15 +137,13 @@ fn in_words(path: &Path) -> String {
 /// # Errors
 /// [`RunError`]; outputs that could not be completed are not there then.
 pub fn run(run: &Run) -> Result<Summary, RunError> {
-    // The method itself is too particular about lifetimes.
-    #[expect(clippy::redundant_closure_for_method_calls)]
-    run_by(run, |player, frame| player.advance(frame))
+    run_by(run, |player, frame, wait| player.advance(frame, wait))
 }
 
-/// Runs a course whose frames `advance` takes.
+/// Runs a course whose frames `advance` takes; it calls now and then what shows that it is at work.
 fn run_by(
     run: &Run,
-    mut advance: impl FnMut(&mut Player<'_>, u64) -> Result<(), crate::OutOfRange>,
+    mut advance: impl FnMut(&mut Player<'_>, u64, &mut dyn FnMut()) -> Result<(), crate::OutOfRange>,
 ) -> Result<Summary, RunError> {
     let mut player = Player::new(&run.course)?;
     let mut check = run.check.then(|| Check::new(run, player.simulation()));
@@ -153,11 +153,18 @@ fn run_by(
     let made_for = |simulation: &Simulation| (simulation.balls().len(), simulation.world().size());
     let (mut grid, mut made) = (Grid::new(balls, world.size()), made_for(player.simulation()));
     let clock_cost = clock_cost();
-    let mut progress = Progress::new(player.frames(), "{wide_bar} {pos}/{len} frames, {eta} left");
+    let mut progress = Progress::new(player.frames(), "{wide_bar} {pos}/{len} frames{left}");
+    let mut patience = Patience::new(player.simulation().solver());
 
     for frame in 0..player.frames() {
         let start = Instant::now();
-        advance(&mut player, frame)?;
+        patience.begin(frame + 1);
+        advance(&mut player, frame, &mut || {
+            progress.show(frame, "");
+            if let Some(word) = patience.look() {
+                progress.say(&word);
+            }
+        })?;
         watched.wall_seconds += start.elapsed().saturating_sub(clock_cost).as_secs_f64();
         watched.frames += 1;
         let simulation = player.simulation();
@@ -227,12 +234,12 @@ mod tests {
         **scene = Scene::parse("it rains.toml", rain).unwrap();
         let faster = rain.replace("radius = 5", "radius = 5\nvelocity = [31, 0]");
         let mut other = Some(Scene::parse("faster.toml", &faster).unwrap().build().unwrap());
-        let result = run_by(&doctored, |player, frame| {
+        let result = run_by(&doctored, |player, frame, wait| {
             let Player::Frames { simulation, .. } = player else { panic!("no replay") };
             if frame == 1 {
                 **simulation = other.take().unwrap();
             }
-            player.advance(frame)
+            player.advance(frame, wait)
         });
         let Err(RunError::Broken(broken)) = result else { panic!("{result:?}") };
         let path = broken.file.as_ref().unwrap();
@@ -256,14 +263,14 @@ mod tests {
         assert!(run(&checked(scene)).is_ok());
         // From frame 10 on, the frames of a ball that flies faster.
         let mut other = Scene::parse("faster.toml", &faster).unwrap().build().unwrap();
-        let result = run_by(&checked(scene), |player, frame| {
+        let result = run_by(&checked(scene), |player, frame, wait| {
             other.advance(player.delta(frame))?;
             let Player::Frames { simulation, .. } = player else { panic!("no replay") };
             if frame == 9 {
                 std::mem::swap(&mut **simulation, &mut other);
                 return Ok(());
             }
-            player.advance(frame)
+            player.advance(frame, wait)
         });
         let Err(RunError::Broken(broken)) = result else { panic!("{result:?}") };
         assert_eq!((broken.frame, broken.violation.law), (10, Law::Energy));

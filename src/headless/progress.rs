@@ -1,9 +1,10 @@
 //! A progress bar: on a terminal, and not before a second has passed.
 
-use std::io::{self, IsTerminal};
+use std::fmt;
+use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 /// How long something takes before it shows its progress.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -13,7 +14,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub(crate) struct Progress {
     begun: Instant,
     steps: u64,
-    /// What the bar shows, in the words of `indicatif`.
+    /// What the bar shows, in the words of `indicatif`; `left` is how long it will take.
     template: &'static str,
     bar: Option<ProgressBar>,
 }
@@ -27,7 +28,7 @@ impl Progress {
     /// Shows that so many steps are done, and the `name` of what is being done, if it has any.
     pub(crate) fn show(&mut self, done: u64, name: &str) {
         if self.bar.is_none() && self.begun.elapsed() > PATIENCE && io::stderr().is_terminal() {
-            let style = ProgressStyle::with_template(self.template);
+            let style = ProgressStyle::with_template(self.template).map(|style| style.with_key("left", left));
             let bar = ProgressBar::new(self.steps);
             self.bar = Some(bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
         }
@@ -37,6 +38,24 @@ impl Progress {
             }
             bar.set_position(done);
         }
+    }
+
+    /// Says something beside it.
+    pub(crate) fn say(&self, word: &str) {
+        // Standard error may be gone; what is said is no result.
+        let say = || drop(writeln!(io::stderr(), "carom: {word}"));
+        match &self.bar {
+            Some(bar) => bar.suspend(say),
+            None => say(),
+        }
+    }
+}
+
+/// How long it will take, once there is something to tell it by.
+fn left(state: &ProgressState, text: &mut dyn fmt::Write) {
+    if state.pos() > 0 {
+        // What cannot be shown is not.
+        let _ = write!(text, ", {:#} left", HumanDuration(state.eta()));
     }
 }
 

@@ -11,7 +11,7 @@ pub(super) struct Progress {
 
 impl Progress {
     pub(super) fn new(steps: usize) -> Self {
-        let template = "{wide_bar} {pos}/{len} {msg:<20} {eta} left";
+        let template = "{wide_bar} {pos}/{len} {msg:<20}{left}";
         Self { bar: headless::Progress::new(steps as u64, template), done: 0 }
     }
 

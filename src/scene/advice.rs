@@ -205,6 +205,7 @@ fn in_toml(said: &str) -> String {
     said.replace("type: map", "type: table")
         .replace("type: sequence", "type: array")
         .replace("floating point", "number")
+        .replace(" as i128", "")
 }
 
 /// What is said of a key that a table does not have.

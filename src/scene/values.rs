@@ -128,6 +128,10 @@ impl<'de> Deserialize<'de> for Number {
             fn visit_u64<E>(self, value: u64) -> Result<Number, E> {
                 Ok(Number(value as f64))
             }
+
+            fn visit_i128<E>(self, value: i128) -> Result<Number, E> {
+                Ok(Number(value as f64))
+            }
         }
 
         deserializer.deserialize_any(NumberVisitor)
@@ -194,6 +198,10 @@ impl<'de> Deserialize<'de> for Interval {
             }
 
             fn visit_u64<E: serde::de::Error>(self, value: u64) -> Result<Interval, E> {
+                self.visit_f64(value as f64)
+            }
+
+            fn visit_i128<E: serde::de::Error>(self, value: i128) -> Result<Interval, E> {
                 self.visit_f64(value as f64)
             }
 

@@ -6,6 +6,7 @@ use super::*;
 fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
     let here = folder();
     fs::write(here.path().join("bad.toml"), "[[ball]]\nposition = [1, 2]\nradius = -1\n").unwrap();
+    fs::write(here.path().join("heavy.toml"), "gravity = [0, 99999999999999999999]\n").unwrap();
     fs::write(here.path().join("bad.txt"), "0\n0.1\nsoon\n").unwrap();
     fs::write(here.path().join("negative.txt"), "-1\n").unwrap();
     fs::write(here.path().join("empty.txt"), "# nothing\n").unwrap();
@@ -15,11 +16,13 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         (&["run", "nosuch"], "there is no scene \"nosuch\"; choose from: draw"),
         (&["run", "nosuch.toml"], "nosuch.toml: "),
         (&["run", "bad.toml"], "bad.toml:3: radius is -1 px"),
+        (&["run", "heavy.toml"], "heavy.toml:1: gravity is 1e20"),
         (&["run", "binary.toml"], "binary.toml: "),
         (&["scene", "bad.toml"], "bad.toml:3"),
         (&["run"], "<SCENE>"),
         (&["run", "draw", "--seconds", "-1"], "--seconds"),
         (&["run", "draw", "--seconds", "nan"], "--seconds is NaN"),
+        (&["run", "draw", "--seconds", "1e308"], "--seconds is 1e308; give 0 to 1e9"),
         (&["run", "draw", "--fps", "0"], "--fps is 0"),
         (&["run", "draw", "--deltas", "none.txt"], "none.txt: "),
         (&["run", "draw", "--deltas", "bad.txt"], "bad.txt:3: \"soon\" is not a number"),
@@ -27,6 +30,7 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         (&["run", "draw", "--deltas", "empty.txt"], "empty.txt has no deltas"),
         (&["run", "draw", "--deltas", "bad.txt", "--fps", "30"], "cannot be used with"),
         (&["run", "draw", "--size", "0x10"], "size is 0 px; it must be from 1"),
+        (&["run", "draw", "--size", "99999999999x1"], "size is 9.9999999999e10 px; it must be from 1"),
         (&["run", "draw", "--size", "wide"], "such as 1280x720"),
         (&["run", "draw", "--every", "0", "--trace", "-"], "write a whole number from 1, such as 10"),
         (&["run", "draw", "--every", "3"], "--trace <FILE.csv>"),
@@ -55,6 +59,12 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
     for (args, message) in cases {
         fail(&here, args, 2, message);
     }
+}
+
+#[test]
+#[cfg(not(feature = "report"))]
+fn a_program_without_its_report_says_so() {
+    fail(&folder(), &["report"], 1, "this carom was built without its report");
 }
 
 #[test]
