@@ -34,6 +34,11 @@ fn energy(simulation: &Simulation) -> f64 {
     kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
 }
 
+fn overlap(simulation: &Simulation) -> f64 {
+    let balls = simulation.balls();
+    max_overlap(&mut Grid::new(balls, simulation.world().size()), balls)
+}
+
 #[test]
 fn a_flight_that_turns_on_the_line_between_two_cells_goes_on_by_its_parabola() {
     // Cells of 100 px; each bounce off the elastic floor brings the balls back to the line that they were dropped from.
@@ -93,11 +98,34 @@ fn light_balls_between_heavy_ones_take_no_endless_impacts_and_are_not_overlapped
                 looks < 2000
             });
             assert_eq!(done, Ok(1.0 / 60.0), "scene {seed}, frame {frame}: {:?}", simulation.tally());
-            let overlap = max_overlap(
-                &mut Grid::new(simulation.balls(), simulation.world().size()),
-                simulation.balls(),
-            );
+            let overlap = overlap(&simulation);
             assert!(overlap < 1e-13, "scene {seed}, frame {frame}: {overlap}");
+        }
+    }
+}
+
+/// What was squeezed for thousands of impacts at next to one time was sunk into by up to 1e-4 of its radius.
+#[test]
+fn a_few_light_balls_among_heavy_ones_that_come_to_rest_on_them_are_not_overlapped() {
+    for (gravity, walls, counts, density, restitutions, seeds) in [
+        ([50.3, 795.7], 0.78, [50, 4], 1.16301e-3, [0.42, 0.42], [81, 580]),
+        ([540.2, 440.0], 0.38, [63, 4], 2.98271e-4, [0.45, 0.38], [77, 576]),
+        ([456.0, 658.8], 0.71, [53, 1], 1.16979e-4, [0.42, 0.28], [53, 552]),
+    ] {
+        let mut file =
+            format!("size = [300, 240]\ngravity = {gravity:?}\n[walls]\nrestitution = {walls}\n[pairs]\n");
+        for (kind, density) in [30.0, density].into_iter().enumerate() {
+            file += &format!(
+                "[[fill]]\ncount = {}\nradius = [5, 12]\ndensity = {density}\nrestitution = {}\nseed = {}\n",
+                counts[kind], restitutions[kind], seeds[kind]
+            );
+        }
+        let mut simulation =
+            Scene::parse("crushed", &file).unwrap().with_solver(Solver::Exact).build().unwrap();
+        while simulation.time() < 1.3 {
+            simulation.advance(1.0 / 60.0).unwrap();
+            let overlap = overlap(&simulation);
+            assert!(overlap < 1e-6, "{gravity:?}: {overlap} at {} s", simulation.time());
         }
     }
 }
@@ -208,8 +236,7 @@ fn balls_that_fill_the_box_from_wall_to_wall_do_not_stop_time() {
         };
         let mut simulation = exact(boxed(120.0, 100.0, 0.0, restitution), (0..6).map(row).collect());
         simulation.advance(1.0).unwrap();
-        let overlap =
-            max_overlap(&mut Grid::new(simulation.balls(), simulation.world().size()), simulation.balls());
+        let overlap = overlap(&simulation);
         assert!(overlap < 1e-14, "restitution {restitution}: {overlap:e}");
         assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-14);
         assert_eq!(non_finite(simulation.balls()), 0);

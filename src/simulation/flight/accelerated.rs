@@ -4,7 +4,7 @@
 use glam::DVec2;
 
 use super::super::lesser::lesser;
-use super::{NEVER, Pair, ROUNDING, SUNK, position};
+use super::{NEVER, Pair, ROUNDING, SUNK, position, reach};
 
 /// An acceleration that counts as none, px/s²: in the eleven days of the longest frame it moves nothing by 10⁻²⁸ px.
 const WEAK: f64 = 1e-40;
@@ -28,7 +28,7 @@ impl Pair {
         let time = self.meet_along(&Path { pair: self, acceleration }, span);
         if self.dull > 0.0 && self.are_within(ROUNDING) {
             // Whether rounding puts a little between them or not.
-            return within(time.max(self.sinks_in(acceleration)), limit);
+            return within(time.max(self.sinks_in(acceleration, self.offset, self.velocity)), limit);
         }
         time
     }
@@ -44,7 +44,8 @@ impl Pair {
             let approaching = end > start;
             if approaching && start >= 0.0 && (from > 0.0 || self.dull > 0.0) {
                 // Or a little later, if there is no room: what is pressed together from now on, too.
-                let time = from + self.sinks_in(path.acceleration);
+                let (offset, velocity) = path.at(from);
+                let time = from + self.sinks_in(path.acceleration, offset, velocity);
                 if time <= to {
                     return time;
                 }
@@ -56,11 +57,12 @@ impl Pair {
         NEVER
     }
 
-    /// How long it takes at least, where there is no room, until what touches, is at rest and is pressed together approaches too fast,
-    /// or has sunk too far.
-    fn sinks_in(&self, acceleration: DVec2) -> f64 {
-        let strength = acceleration.length();
-        lesser(self.dull / strength, (2.0 * SUNK * self.reach / strength).sqrt())
+    /// How long it takes at least, where there is no room, until what touches, with this offset and velocity, and is pressed together
+    /// approaches too fast, or has sunk too far.
+    fn sinks_in(&self, acceleration: DVec2, offset: DVec2, velocity: DVec2) -> f64 {
+        let (strength, far) = (acceleration.length(), SUNK * self.reach);
+        let approach = (-velocity.dot(offset) / offset.length()).max(0.0);
+        lesser(self.dull / strength, reach(far, approach, strength))
     }
 
     /// When they stop overlapping, where the other is accelerated by `acceleration` relative to the one, if they

@@ -76,8 +76,8 @@ const PARTING_TIME: f64 = 0.02;
 const FASTEST_PARTING: f64 = 4.0;
 
 /// What has no room, and approaches so slowly that it does not meet at once, does so when it has come nearer by this part of the
-/// distance at which it touches.
-const SUNK: f64 = 1e-5;
+/// distance at which it touches: little enough to be seen by no one, and enough for time to pass.
+const SUNK: f64 = 2e-7;
 
 /// The slowest speed that counts, px/s: halved on and on, speeds end in numbers that cannot be halved.
 const SLOWEST: f64 = 1e-100;
@@ -354,14 +354,18 @@ mod tests {
     fn what_has_no_room_and_approaches_slowly_meets_when_it_has_sunk_a_little() {
         let without_room =
             |speed: f64| Pair { dull: 2.0, ..pair(DVec2::new(0.0, -10.0), DVec2::new(0.0, speed), 10.0) };
-        // By the 1e-4 px that are the hundred-thousandth part of the distance at which they touch.
-        assert_eq!([3.0, 1.0, 0.0, -1.0].map(|speed| without_room(speed).meet()), [0.0, 1e-4, NEVER, NEVER]);
+        // By the 2e-6 px that are SUNK of the distance at which they touch.
+        assert_eq!([3.0, 1.0, 0.0, -1.0].map(|speed| without_room(speed).meet()), [0.0, 2e-6, NEVER, NEVER]);
         // Pressed together, it comes to that at rest, too, whatever rounding puts between them: ½at².
         for gap in [0.0, 4e-15, -4e-15] {
             let pair = Pair { offset: DVec2::new(0.0, -10.0 - gap), ..without_room(0.0) };
             let at_rest = |pull: f64, limit: f64| pair.meet_accelerated(DVec2::new(0.0, pull), limit);
-            assert!((at_rest(200.0, NEVER) - 1e-3).abs() < 1e-15, "{gap}");
-            assert_eq!([at_rest(200.0, 9e-4), at_rest(-200.0, NEVER)], [NEVER; 2], "{gap}");
+            assert!((at_rest(4.0, NEVER) - 1e-3).abs() < 1e-15, "{gap}");
+            assert_eq!([at_rest(4.0, 9e-4), at_rest(-4.0, NEVER)], [NEVER; 2], "{gap}");
+            // ... and sooner where it approaches besides: vt + ½at², by the golden section.
+            let approaching = Pair { velocity: DVec2::new(0.0, 2e-3), ..pair };
+            let time = approaching.meet_accelerated(DVec2::new(0.0, 4.0), NEVER);
+            assert!((time - 0.618_033_988_75e-3).abs() < 1e-14, "{gap}: {time}");
         }
     }
 
