@@ -161,6 +161,24 @@ fn a_pile_of_one_material_comes_to_rest_however_unlike_its_sizes() {
     }
 }
 
+/// What crashes down onto so many layers came to overlap by an eighth of a radius, got thousandths of its energy back, and trembled
+/// on by the hundred.
+#[test]
+fn a_pile_of_a_hundred_layers_comes_to_rest_with_little_overlap_and_its_energy() {
+    for seed in 1..=2 {
+        let text = format!(
+            "solver = \"contact\"\nsize = [304, 2172]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n\
+             [[fill]]\ncount = 2500\nradius = [3, 6]\nrestitution = 0.7\nseed = {seed}\n"
+        );
+        let mut pile = Scene::parse("deep", &text).unwrap().build().unwrap();
+        let start = energy(&pile);
+        let back = rise(&mut pile, 900) / start;
+        assert!(back < 5e-4, "seed {seed}: {back:e} of it came back");
+        assert_eq!(fastest(&pile), 0.0, "seed {seed}");
+        assert!(overlap(&pile) < 0.05, "seed {seed}: {}", overlap(&pile));
+    }
+}
+
 #[test]
 fn gravity_however_strong_gives_no_energy() {
     for gravity in [1e5, 1e7] {

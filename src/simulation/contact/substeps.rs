@@ -1,11 +1,14 @@
-//! How long substeps are: two, three or four in each *beat* of a 60th of a second.
+//! How long substeps are: two, three or four in each *beat* of a 60th of a second, six where a pile is deep.
 //!
 //! What flies is followed from impact to impact in any substep, and what lies still needs no short ones. But where many
 //! are hit, a ball may be hit more often than it may in one, and what is left is to be held before it goes far; and the
 //! more balls carry, the farther they go for what is left to be found of that load. Few balls cost little, and so do
 //! those that are awake among many asleep: they always take four, as do those that nothing presses together, many of one
-//! size, and unlike balls, which may carry what is many times as heavy. Where gravity is strong, beats are shorter. They follow
-//! each other whatever the frames, so that what comes of them does not depend on these.
+//! size, and unlike balls, which may carry what is many times as heavy. What overlaps under a load does so by as much as that load
+//! times the square of a substep: deep piles take six, and where they are to sleep, always. Where gravity is strong, beats are
+//! shorter. They follow each other whatever the frames, so that what comes of them does not depend on these.
+
+use std::f64::consts::PI;
 
 use glam::DVec2;
 
@@ -23,9 +26,10 @@ use super::{Contact, Setting, can_rest};
 
 /// Beats in a second, at least.
 const BEATS: u32 = 60;
-/// Substeps in a beat: the fewest, and the most, with which all begin.
+/// Substeps in a beat: the fewest, and the most, with which all begin, as a rule and in deep piles.
 pub(super) const FEWEST: u32 = 2;
 pub(super) const MOST: u32 = 4;
+const MOST_IN_DEEP: u32 = 6;
 /// The parts of a beat in which time is counted: a multiple of all numbers of substeps.
 const PARTS: u32 = 12;
 
@@ -34,6 +38,13 @@ const PARTS: u32 = 12;
 const SINKING: f64 = 0.01;
 /// ... as long as substeps are not shortened more than so many times.
 const MOST_SHORTENED: f64 = 1024.0;
+
+/// A pile of more layers is deep, if it has so many balls: in four substeps, what crashes down comes to overlap by a tenth of a
+/// radius and more, gains energy as it parts, and does not come to rest. In eight, slow balls count as moving for too long.
+const DEEP_LAYERS: f64 = 60.0;
+const DEEP_BALLS: usize = 2000;
+/// The part of its room that a pile fills.
+const PACKED: f64 = 0.84;
 
 /// A beat of long substeps is the last, for now, in one of which impacts shift more than one in so many balls ...
 const MANY_HIT: usize = 16;
@@ -72,6 +83,10 @@ pub(super) struct Substeps {
     shortened: Option<u32>,
     /// Whether so many balls are of one size that they lie in crystals: then all are short.
     pub(super) of_one_size: bool,
+    /// Substeps in a beat of the shortest.
+    most: u32,
+    /// Whether what is to sleep is so deep that all are short.
+    deep: bool,
     /// Substeps in the beat that the last one was in, and in that of the next.
     count: u32,
     next: u32,
@@ -84,13 +99,16 @@ impl Substeps {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
         let shortened = tuning.substeps.is_none().then(|| shortened(world, balls));
         let rate = shortened.map(|times| BEATS * PARTS * times).or(tuning.substeps).unwrap_or_default();
-        Self { rate, shortened, of_one_size: are_many_of_one_size(balls), count: MOST, next: MOST, calm: 0 }
+        let is_deep = layers(world, balls) > DEEP_LAYERS;
+        let most = if is_deep { MOST_IN_DEEP } else { MOST };
+        let (of_one_size, deep) = (are_many_of_one_size(balls), is_deep && tuning.sleep);
+        Self { rate, shortened, of_one_size, most, deep, count: most, next: most, calm: 0 }
     }
 
     /// The same for more balls, unless these ask for shorter beats.
     pub(super) fn with(&self, world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
-        let Self { rate, of_one_size, .. } = Self::new(world, balls, tuning);
-        (rate == self.rate).then_some(Self { of_one_size, ..*self })
+        let Self { rate, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
+        (rate == self.rate).then_some(Self { of_one_size, most, deep, ..*self })
     }
 
     /// Has the next beat of so many.
@@ -107,22 +125,27 @@ impl Substeps {
     /// The fewest and the most in a second of so many balls under this gravity.
     pub(super) fn range(&self, balls: usize, gravity: DVec2) -> [u32; 2] {
         match self.shortened {
-            Some(times) if varies(balls, gravity) && !self.of_one_size => {
-                [FEWEST, MOST].map(|count| BEATS * times * count)
+            Some(times) if varies(balls, gravity) && !self.are_all_short() => {
+                [FEWEST, self.most].map(|count| BEATS * times * count)
             }
             _ => [self.per_second(); 2],
         }
     }
 
-    /// Whether they are the shortest.
+    /// Whether they are short.
     pub(super) fn are_short(&self) -> bool {
-        self.count == MOST
+        self.count >= MOST
+    }
+
+    /// Whether they always are.
+    fn are_all_short(&self) -> bool {
+        self.of_one_size || self.deep
     }
 
     /// Whether few balls were hit for so long that what goes on among them is no crash. That is never so where many are of one
-    /// size: crystals come to rest later where the energy of what moves in them is not kept.
+    /// size, or lie deep: they come to rest later where the energy of what moves in them is not kept.
     pub(super) fn are_at_rest(&self) -> bool {
-        !self.of_one_size && self.calm >= AT_REST
+        !self.are_all_short() && self.calm >= AT_REST
     }
 
     /// How long a substep takes.
@@ -141,7 +164,7 @@ impl Substeps {
 
     /// The same of the shortest.
     pub(super) fn shortest(&self) -> u64 {
-        self.length_of(MOST)
+        self.length_of(self.most)
     }
 
     fn length_of(&self, count: u32) -> u64 {
@@ -158,6 +181,20 @@ fn are_many_of_one_size(balls: &[Ball]) -> bool {
     let middle = radii.len() / 2;
     let (_, &mut size, _) = radii.select_nth_unstable_by(middle, f64::total_cmp);
     radii.iter().filter(|&&radius| size <= ONE_SIZE * radius && radius <= ONE_SIZE * size).count() > middle
+}
+
+/// How many layers high so many balls lie, at most; 0 where they are few, or fall for ever.
+fn layers(world: &World, balls: &[Ball]) -> f64 {
+    let (Some(gravity), Some(_)) = (world.gravity, world.walls) else { return 0.0 };
+    let moved = balls.iter().filter(|ball| !ball.is_fixed());
+    let (count, squares) =
+        moved.fold((0, 0.0), |(count, squares), ball| (count + 1, squares + ball.radius * ball.radius));
+    if count < DEEP_BALLS || gravity == DVec2::ZERO {
+        return 0.0;
+    }
+    let across = world.size.dot(gravity.normalize().perp().abs());
+    let size = 2.0 * (squares / count as f64).sqrt();
+    PI * squares / (PACKED * across * size)
 }
 
 /// Whether beats may have fewer substeps than most.
@@ -246,7 +283,7 @@ impl Contact {
         }
         let layout = near.layout;
         let (beats, few) = FEW_HIT;
-        let most = bodies.len() / if substeps.count == MOST { few } else { MANY_HIT };
+        let most = bodies.len() / if substeps.are_short() { few } else { MANY_HIT };
         let shifted: usize =
             of_layer(&mut near.stripes, layout, Layer::Own).map(|stripe| stripe.shifted).sum();
         if shifted > most {
@@ -255,13 +292,13 @@ impl Contact {
         if !steps.is_multiple_of(u64::from(PARTS)) {
             return;
         }
-        let rough = substeps.of_one_size
+        let rough = substeps.are_all_short()
             || substeps.calm < beats
             || near.touched_unlike > 0
             || *asleep * MANY_ASLEEP > bodies.len();
         substeps.calm = substeps.calm.saturating_add(1);
         if rough {
-            substeps.next = MOST;
+            substeps.next = substeps.most;
             return;
         }
         self.sweep(&[Pass::COUNT_HEAVY]);
@@ -427,6 +464,35 @@ mod tests {
         assert_eq!(few.with(&world, &many, TUNING).unwrap().range(many.len(), GRAVITY), [240; 2]);
         let small = balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 1, 0.5);
         assert!(few.with(&world, &small, TUNING).is_none(), "so small a ball asks for shorter beats");
+    }
+
+    #[test]
+    fn substeps_are_shorter_where_many_balls_lie_in_more_than_sixty_layers() {
+        let sizes = [3.0, 4.0, 5.0, 6.0];
+        let balls = |count: usize| -> Vec<Ball> {
+            sizes
+                .iter()
+                .cycle()
+                .take(count)
+                .map(|&size| Ball::new(DVec2::splat(50.0), size).unwrap())
+                .collect()
+        };
+        let range = |width: f64, gravity: DVec2, count: usize, sleep: bool| {
+            let world = World::new(DVec2::new(width, 5000.0)).unwrap().with_walls(0.5).unwrap();
+            let world = world.with_gravity(gravity).unwrap();
+            let balls = balls(count);
+            Substeps::new(&world, &balls, Tuning { sleep, ..TUNING }).range(count, gravity)
+        };
+        // 4,000 of these fill 270,000 px² of the plane, and are 9.3 px high in the middle: 320 px wide, 91 layers; 640, 45.
+        assert_eq!(range(320.0, GRAVITY, 4000, true), [360; 2]);
+        assert_eq!(range(320.0, -GRAVITY, 4000, true), [360; 2]);
+        assert_eq!(range(640.0, GRAVITY, 4000, true), [120, 240]);
+        // What may not sleep becomes longer again where it lies still.
+        assert_eq!(range(320.0, GRAVITY, 4000, false), [120, 360]);
+        // Few are looked at closely in any case; and what falls to the side lies in few layers.
+        assert_eq!(range(80.0, GRAVITY, DEEP_BALLS - 1, true), [120, 240]);
+        assert_eq!(range(320.0, GRAVITY.perp(), 4000, true), [120, 240]);
+        assert_eq!(range(320.0, DVec2::ZERO, 4000, true), [240; 2]);
     }
 
     #[test]
