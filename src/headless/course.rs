@@ -3,7 +3,7 @@
 use super::frames::Frames;
 use crate::scene::{Rain, Scene, SceneError};
 use crate::session::{Refused, Replay};
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, Solver};
 
 /// What moves in a run, and by which frames.
 #[derive(Debug, Clone)]
@@ -64,11 +64,14 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Takes the frame of this number, from 0; they must be taken in their order. Now and then it calls `wait`, except
-    /// where it plays again what was done in a window, where no frame took long.
+    /// Takes the frame of this number, from 0; they must be taken in their order. Frames of `exact` may take any time: now and
+    /// then in them it calls `wait`, but not where it plays again what was done in a window, where none took long.
     pub(super) fn advance(&mut self, frame: u64, wait: &mut dyn FnMut()) -> Result<(), crate::OutOfRange> {
+        let is_exact = self.simulation().solver() == Solver::Exact;
         let go_on = || {
-            wait();
+            if is_exact {
+                wait();
+            }
             true
         };
         match self {
@@ -97,5 +100,25 @@ impl<'a> Player<'a> {
         let Self::Replay(replay) = self else { return Ok(None) };
         while replay.advance()? {}
         Ok(replay.refused())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn in_frames_of_exact_alone_it_is_told_that_they_are_under_way() {
+        let text = "size = [300, 300]\n[walls]\n[pairs]\n[[fill]]\ncount = 200\nradius = 4\nspeed = 300\n";
+        for (solver, told) in [(Solver::Exact, true), (Solver::Contact, false), (Solver::Canvas, false)] {
+            let scene = Scene::parse("gas", text).unwrap().with_solver(solver);
+            let course = Course::Frames(scene.into(), Frames::even(1.0, 1.0).unwrap());
+            let mut player = Player::new(&course).unwrap();
+            let mut times = 0;
+            for frame in 0..player.frames() {
+                player.advance(frame, &mut || times += 1).unwrap();
+            }
+            assert_eq!(times > 0, told, "{solver:?}: {times} times");
+        }
     }
 }

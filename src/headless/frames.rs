@@ -92,7 +92,8 @@ impl Frames {
         let frames = seconds * rate;
         if frames > MOST_FRAMES {
             return Err(FramesError::Range(format!(
-                "--seconds {seconds} at --fps {} are {frames:e} frames; ask for at most {MOST_FRAMES:e}",
+                "--seconds {} at --fps {} are {frames:e} frames; ask for at most {MOST_FRAMES:e}",
+                Short(seconds),
                 Short(rate)
             )));
         }

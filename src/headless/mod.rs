@@ -154,7 +154,7 @@ fn run_by(
     let (mut grid, mut made) = (Grid::new(balls, world.size()), made_for(player.simulation()));
     let clock_cost = clock_cost();
     let mut progress = Progress::new(player.frames(), "{wide_bar} {pos}/{len} frames{left}");
-    let mut patience = Patience::new(player.simulation().solver());
+    let mut patience = Patience::new();
 
     for frame in 0..player.frames() {
         let start = Instant::now();

@@ -2,14 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use crate::simulation::Solver;
-
 /// How long a frame takes before that is said.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Since when a frame is under way.
 pub(super) struct Patience {
-    solver: Solver,
     frame: u64,
     begun: Instant,
     /// Whether it was said of a frame that it takes long.
@@ -17,8 +14,8 @@ pub(super) struct Patience {
 }
 
 impl Patience {
-    pub(super) fn new(solver: Solver) -> Self {
-        Self { solver, frame: 0, begun: Instant::now(), said: false }
+    pub(super) fn new() -> Self {
+        Self { frame: 0, begun: Instant::now(), said: false }
     }
 
     /// The frame of this number, from 1, begins.
@@ -26,13 +23,13 @@ impl Patience {
         (self.frame, self.begun) = (frame, Instant::now());
     }
 
-    /// What there is to say of the frame under way: nothing but of `exact`, whose frames alone may take any time.
+    /// What there is to say of the frame of `exact` under way.
     pub(super) fn look(&mut self) -> Option<String> {
         self.look_after(self.begun.elapsed())
     }
 
     fn look_after(&mut self, taken: Duration) -> Option<String> {
-        if self.solver != Solver::Exact || self.said || taken < PATIENCE {
+        if self.said || taken < PATIENCE {
             return None;
         }
         self.said = true;
@@ -52,15 +49,12 @@ mod tests {
     #[test]
     fn of_a_frame_of_exact_that_takes_long_a_faster_solver_is_named_once() {
         let long = PATIENCE + Duration::from_millis(1);
-        let mut patience = Patience::new(Solver::Exact);
+        let mut patience = Patience::new();
         patience.begin(7);
         assert_eq!(patience.look_after(PATIENCE / 2), None);
         let word = patience.look_after(long).unwrap();
         assert!(word.starts_with("frame 7 has taken more than 10 s") && word.contains("--solver contact"));
         patience.begin(8);
         assert_eq!(patience.look_after(long), None);
-        for solver in [Solver::Contact, Solver::Canvas] {
-            assert_eq!(Patience::new(solver).look_after(long), None);
-        }
     }
 }

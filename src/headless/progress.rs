@@ -14,6 +14,8 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub(crate) struct Progress {
     begun: Instant,
     steps: u64,
+    /// Whether there is a terminal to show it on.
+    shows: bool,
     /// What the bar shows, in the words of `indicatif`; `left` is how long it will take.
     template: &'static str,
     bar: Option<ProgressBar>,
@@ -22,12 +24,12 @@ pub(crate) struct Progress {
 impl Progress {
     /// The progress of something that takes so many steps.
     pub(crate) fn new(steps: u64, template: &'static str) -> Self {
-        Self { begun: Instant::now(), steps, template, bar: None }
+        Self { begun: Instant::now(), steps, shows: io::stderr().is_terminal(), template, bar: None }
     }
 
     /// Shows that so many steps are done, and the `name` of what is being done, if it has any.
     pub(crate) fn show(&mut self, done: u64, name: &str) {
-        if self.bar.is_none() && self.begun.elapsed() > PATIENCE && io::stderr().is_terminal() {
+        if self.bar.is_none() && self.shows && self.begun.elapsed() > PATIENCE {
             let style = ProgressStyle::with_template(self.template).map(|style| style.with_key("left", left));
             let bar = ProgressBar::new(self.steps);
             self.bar = Some(bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));

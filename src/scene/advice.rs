@@ -206,6 +206,7 @@ fn in_toml(said: &str) -> String {
         .replace("type: sequence", "type: array")
         .replace("floating point", "number")
         .replace(" as i128", "")
+        .replace(" as u128", "")
 }
 
 /// What is said of a key that a table does not have.

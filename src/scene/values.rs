@@ -132,6 +132,10 @@ impl<'de> Deserialize<'de> for Number {
             fn visit_i128<E>(self, value: i128) -> Result<Number, E> {
                 Ok(Number(value as f64))
             }
+
+            fn visit_u128<E>(self, value: u128) -> Result<Number, E> {
+                Ok(Number(value as f64))
+            }
         }
 
         deserializer.deserialize_any(NumberVisitor)
@@ -202,6 +206,10 @@ impl<'de> Deserialize<'de> for Interval {
             }
 
             fn visit_i128<E: serde::de::Error>(self, value: i128) -> Result<Interval, E> {
+                self.visit_f64(value as f64)
+            }
+
+            fn visit_u128<E: serde::de::Error>(self, value: u128) -> Result<Interval, E> {
                 self.visit_f64(value as f64)
             }
 

@@ -141,8 +141,9 @@ impl Simulation {
 
     /// The same simulation with so many substeps in a second for [`Solver::Contact`], the only one that takes any. Left
     /// to itself it takes 240, or 120 or 180 where many like balls under gravity are hardly hit and none carries
-    /// hundreds; and a multiple of that where gravity g is strong beside the smallest radius r, so that g·h² stays under
-    /// r/100 for the shortest substeps, of h seconds.
+    /// hundreds, or 360 where five hundred and more may lie in so many layers that these times g·h² are more than 0.11 of a
+    /// ball's size; and a multiple of that where gravity g is strong beside the smallest radius r, so that g·h² stays under
+    /// r/100, for the h seconds of one of 240.
     ///
     /// Elastic balls without gravity take none unless a number is given: they go from impact to impact.
     ///
@@ -161,7 +162,7 @@ impl Simulation {
 
     /// The same simulation in which balls at rest may sleep, or not. They may unless told otherwise, and only
     /// [`Solver::Contact`] lets them: a ball that for half a second was held, in balance, and slower than g·h/4 (for
-    /// the shortest substeps, of h seconds, under gravity g: about 1 px/s) stands still, until something hits it firmly,
+    /// the shortest substeps, of h seconds, under gravity g: about 1 px/s, or 0.7) stands still, until something hits it firmly,
     /// it loses a support or a load, or what acts on it is no longer in balance. Pairs asleep cost little; where all
     /// sleep, a frame costs nothing.
     #[must_use]

@@ -167,7 +167,7 @@ fn a_pile_of_one_material_comes_to_rest_however_unlike_its_sizes() {
 fn a_pile_of_a_hundred_layers_comes_to_rest_with_little_overlap_and_its_energy() {
     for seed in 1..=2 {
         let text = format!(
-            "solver = \"contact\"\nsize = [304, 2172]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n\
+            "solver = \"contact\"\nsize = [215, 1535]\ngravity = [0, 980]\n[walls]\nrestitution = 0.7\n[pairs]\n\
              [[fill]]\ncount = 2500\nradius = [3, 6]\nrestitution = 0.7\nseed = {seed}\n"
         );
         let mut pile = Scene::parse("deep", &text).unwrap().build().unwrap();

@@ -1,4 +1,4 @@
-//! The `contact` solver: substeps in which all contacts are solved together, two to four in a 60th of a second
+//! The `contact` solver: substeps in which all contacts are solved together, two to six in a 60th of a second
 //! (`substeps`).
 //!
 //! A substep, in the order of its parts:

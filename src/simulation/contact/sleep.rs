@@ -65,7 +65,8 @@ pub(super) struct Rest {
     last: Option<(DVec2, bool)>,
     /// How often its rest was looked at, and it had none, since it last slept, or woke those that hold it.
     pub(super) restless: u32,
-    /// How often in a row it lay still when its rest was looked at, but deep in others.
+    /// How often in a row it lay still when its rest was looked at, but deep in others. That goes on while it sleeps: where it is
+    /// woken and lies still again, it sleeps again.
     jammed: u8,
     /// In how many substeps in a row, of those in which room was looked for, it has had none to go on (`room`).
     pub(super) stuck: u8,

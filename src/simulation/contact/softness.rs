@@ -13,7 +13,7 @@ const STIFFER_OF_SIZES: f64 = 0.3;
 /// How contacts give way in a substep.
 ///
 /// They are springs that are damped more than enough: a pair that carries the weight of N balls of its own mass overlaps by
-/// about N·g·h²·(1/yielding − 1)/mended in substeps of h seconds. That is the same whatever their length.
+/// about N·g·h²·(1/yielding − 1)/mended in substeps of h seconds. That is much the same for two to four a beat, and less for six.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Softness {
     /// The part of an overlap that is taken away.

@@ -33,16 +33,18 @@ const MOST_IN_DEEP: u32 = 6;
 /// The parts of a beat in which time is counted: a multiple of all numbers of substeps.
 const PARTS: u32 = 12;
 
-/// Gravity moves a ball at rest by at most this part of the smallest radius in the shortest substep: else what falls within
+/// Gravity moves a ball at rest by at most this part of the smallest radius in a substep of four a beat: else what falls within
 /// one would count for more than what is held.
 const SINKING: f64 = 0.01;
 /// ... as long as substeps are not shortened more than so many times.
 const MOST_SHORTENED: f64 = 1024.0;
 
-/// A pile of more layers is deep, if it has so many balls: in four substeps, what crashes down comes to overlap by a tenth of a
-/// radius and more, gains energy as it parts, and does not come to rest. In eight, slow balls count as moving for too long.
-const DEEP_LAYERS: f64 = 60.0;
-const DEEP_BALLS: usize = 2000;
+/// A pile is deep where gravity would move all of its layers together by more than this part of a ball's size in a substep, if it
+/// has so many balls: in four substeps, what crashes down comes to overlap by a tenth of a radius and more, gains energy as it parts,
+/// and does not come to rest. In eight, slow balls count as moving for too long. For balls of 9 px under the demo's gravity these
+/// are sixty layers.
+const DEEP_LOAD: f64 = 0.11;
+const DEEP_BALLS: usize = 500;
 /// The part of its room that a pile fills.
 const PACKED: f64 = 0.84;
 
@@ -67,7 +69,7 @@ const AT_REST: u32 = 60;
 const ONE_SIZE: f64 = 1.015;
 const MANY_OF_ONE_SIZE: usize = 1000;
 
-/// Overlaps are taken away at this many sums of both radii a second at most, and faster where gravity asks for shorter
+/// Overlaps are taken away at this many sums of both radii a second at most, and faster where gravity or depth ask for shorter
 /// substeps: what starts in an overlap parts, and is not shot away.
 const MENDING: f64 = 4.0;
 /// A pair that holds each other bounces only where it meets faster than so many kicks of gravity.
@@ -99,16 +101,16 @@ impl Substeps {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
         let shortened = tuning.substeps.is_none().then(|| shortened(world, balls));
         let rate = shortened.map(|times| BEATS * PARTS * times).or(tuning.substeps).unwrap_or_default();
-        let is_deep = layers(world, balls) > DEEP_LAYERS;
+        let is_deep = load(world, balls, shortened.unwrap_or(1)) > DEEP_LOAD;
         let most = if is_deep { MOST_IN_DEEP } else { MOST };
         let (of_one_size, deep) = (are_many_of_one_size(balls), is_deep && tuning.sleep);
         Self { rate, shortened, of_one_size, most, deep, count: most, next: most, calm: 0 }
     }
 
-    /// The same for more balls, unless these ask for shorter beats.
+    /// The same for more balls, unless these ask for shorter beats, or more substeps in them.
     pub(super) fn with(&self, world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
         let Self { rate, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
-        (rate == self.rate).then_some(Self { of_one_size, most, deep, ..*self })
+        ((rate, most) == (self.rate, self.most)).then_some(Self { of_one_size, deep, ..*self })
     }
 
     /// Has the next beat of so many.
@@ -183,18 +185,23 @@ fn are_many_of_one_size(balls: &[Ball]) -> bool {
     radii.iter().filter(|&&radius| size <= ONE_SIZE * radius && radius <= ONE_SIZE * size).count() > middle
 }
 
-/// How many layers high so many balls lie, at most; 0 where they are few, or fall for ever.
-fn layers(world: &World, balls: &[Ball]) -> f64 {
+/// How far gravity would move all layers together that these balls may lie in, in a substep of beats that are so many times
+/// shorter, in times a ball's size; 0 where they are few, or fall for ever.
+fn load(world: &World, balls: &[Ball], shortened: u32) -> f64 {
     let (Some(gravity), Some(_)) = (world.gravity, world.walls) else { return 0.0 };
-    let moved = balls.iter().filter(|ball| !ball.is_fixed());
-    let (count, squares) =
-        moved.fold((0, 0.0), |(count, squares), ball| (count + 1, squares + ball.radius * ball.radius));
-    if count < DEEP_BALLS || gravity == DVec2::ZERO {
+    let squares = || balls.iter().filter(|ball| !ball.is_fixed()).map(|ball| ball.radius * ball.radius);
+    let count = squares().count();
+    // The width of the floor times gravity.
+    let pull_across = world.size.dot(gravity.perp().abs());
+    if count < DEEP_BALLS || pull_across == 0.0 {
         return 0.0;
     }
-    let across = world.size.dot(gravity.normalize().perp().abs());
-    let size = 2.0 * (squares / count as f64).sqrt();
-    PI * squares / (PACKED * across * size)
+    let area = PI * squares().sum::<f64>();
+    let size = 2.0 * (area / (PI * count as f64)).sqrt();
+    let pull = gravity.length();
+    let layers = area * pull / (PACKED * pull_across * size);
+    let substep = 1.0 / f64::from(BEATS * shortened * MOST);
+    layers * pull * substep * substep / size
 }
 
 /// Whether beats may have fewer substeps than most.
@@ -283,10 +290,10 @@ impl Contact {
         }
         let layout = near.layout;
         let (beats, few) = FEW_HIT;
-        let most = bodies.len() / if substeps.are_short() { few } else { MANY_HIT };
+        let most_shifted = bodies.len() / if substeps.are_short() { few } else { MANY_HIT };
         let shifted: usize =
             of_layer(&mut near.stripes, layout, Layer::Own).map(|stripe| stripe.shifted).sum();
-        if shifted > most {
+        if shifted > most_shifted {
             substeps.calm = 0;
         }
         if !steps.is_multiple_of(u64::from(PARTS)) {
@@ -313,6 +320,7 @@ impl Contact {
         } else if few_carry(if substeps.are_at_rest() { 2 } else { 1 }) {
             FEWEST + 1
         } else {
+            // In deep piles, too, that are not to sleep: what lies still needs no more.
             MOST
         };
     }
@@ -388,7 +396,7 @@ mod tests {
             beat(&mut lying, Some(MOST));
         }
         let settled = lying.bodies.clone();
-        for count in [2, 4, 3, 2, 3, 4] {
+        for count in [2, 4, 3, 2, 6, 3, 4] {
             beat(&mut lying, Some(count));
             for (before, after) in settled.iter().zip(&lying.bodies) {
                 assert!(after.velocity.length() < 0.05, "at {} px/s", after.velocity);
@@ -467,32 +475,29 @@ mod tests {
     }
 
     #[test]
-    fn substeps_are_shorter_where_many_balls_lie_in_more_than_sixty_layers() {
-        let sizes = [3.0, 4.0, 5.0, 6.0];
-        let balls = |count: usize| -> Vec<Ball> {
-            sizes
-                .iter()
-                .cycle()
-                .take(count)
-                .map(|&size| Ball::new(DVec2::splat(50.0), size).unwrap())
-                .collect()
-        };
-        let range = |width: f64, gravity: DVec2, count: usize, sleep: bool| {
+    fn substeps_are_shorter_where_many_balls_lie_deep_beside_their_size_and_gravity() {
+        let range = |width: f64, gravity: DVec2, count: usize, times: f64, sleep: bool| {
             let world = World::new(DVec2::new(width, 5000.0)).unwrap().with_walls(0.5).unwrap();
             let world = world.with_gravity(gravity).unwrap();
-            let balls = balls(count);
+            let ball = |size: f64| Ball::new(DVec2::splat(20.0), times * size).unwrap();
+            let balls: Vec<Ball> = [3.0, 4.0, 5.0, 6.0].into_iter().cycle().take(count).map(ball).collect();
             Substeps::new(&world, &balls, Tuning { sleep, ..TUNING }).range(count, gravity)
         };
-        // 4,000 of these fill 270,000 px² of the plane, and are 9.3 px high in the middle: 320 px wide, 91 layers; 640, 45.
-        assert_eq!(range(320.0, GRAVITY, 4000, true), [360; 2]);
-        assert_eq!(range(320.0, -GRAVITY, 4000, true), [360; 2]);
-        assert_eq!(range(640.0, GRAVITY, 4000, true), [120, 240]);
+        // 4,000 of these fill 270,000 px² of the plane, and are 9.3 px high in the middle: 320 px wide, 108 layers; 640, 54.
+        assert_eq!(range(320.0, GRAVITY, 4000, 1.0, true), [360; 2]);
+        assert_eq!(range(320.0, -GRAVITY, 4000, 1.0, true), [360; 2]);
+        assert_eq!(range(640.0, GRAVITY, 4000, 1.0, true), [120, 240]);
+        // Of a larger or a smaller size, or under less gravity, they give way by another part of their size.
+        assert_eq!(range(320.0, 0.5 * GRAVITY, 4000, 1.0, true), [120, 240]);
+        assert_eq!(range(640.0, GRAVITY, 8000, 1.0, true), [360; 2]);
+        assert_eq!(range(1280.0, GRAVITY, 8000, 2.0, true), [120, 240]);
         // What may not sleep becomes longer again where it lies still.
-        assert_eq!(range(320.0, GRAVITY, 4000, false), [120, 360]);
-        // Few are looked at closely in any case; and what falls to the side lies in few layers.
-        assert_eq!(range(80.0, GRAVITY, DEEP_BALLS - 1, true), [120, 240]);
-        assert_eq!(range(320.0, GRAVITY.perp(), 4000, true), [120, 240]);
-        assert_eq!(range(320.0, DVec2::ZERO, 4000, true), [240; 2]);
+        assert_eq!(range(320.0, GRAVITY, 4000, 1.0, false), [120, 360]);
+        // What falls to the side lies in few layers.
+        assert_eq!(range(320.0, GRAVITY.perp(), 4000, 1.0, true), [120, 240]);
+        assert_eq!(range(320.0, DVec2::ZERO, 4000, 1.0, true), [240; 2]);
+        assert_eq!(range(40.0, GRAVITY, DEEP_BALLS - 1, 1.0, true), [120, 240]);
+        assert_eq!(range(40.0, GRAVITY, DEEP_BALLS, 1.0, true), [360; 2]);
     }
 
     #[test]

@@ -62,7 +62,7 @@ impl Pair {
     fn sinks_in(&self, acceleration: DVec2, offset: DVec2, velocity: DVec2) -> f64 {
         let (strength, far) = (acceleration.length(), SUNK * self.reach);
         let approach = (-velocity.dot(offset) / offset.length()).max(0.0);
-        lesser(self.dull / strength, reach(far, approach, strength))
+        lesser((self.dull - approach).max(0.0) / strength, reach(far, approach, strength))
     }
 
     /// When they stop overlapping, where the other is accelerated by `acceleration` relative to the one, if they
