@@ -1,5 +1,5 @@
 //! The `contact` solver: substeps in which all contacts are solved together, two to six in a 60th of a second
-//! (`substeps`).
+//! (`substeps`, `demands`).
 //!
 //! A substep, in the order of its parts:
 //! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
@@ -36,6 +36,7 @@ mod centre;
 mod common;
 mod constraints;
 mod cover;
+mod demands;
 mod ending;
 mod energy;
 mod events;

@@ -8,13 +8,12 @@
 //! times the square of a substep: deep piles take six, and where they are to sleep, always. Where gravity is strong, beats are
 //! shorter. They follow each other whatever the frames, so that what comes of them does not depend on these.
 
-use std::f64::consts::PI;
-
 use glam::DVec2;
 
 use super::super::Tuning;
 use super::super::ball::Ball;
 use super::super::world::World;
+use super::demands::{are_many_of_one_size, lie_deep, shortened};
 use super::energy::Keeping;
 use super::find::FEW;
 use super::layout::Layer;
@@ -25,28 +24,13 @@ use super::unlike::Unlike;
 use super::{Contact, Setting, can_rest};
 
 /// Beats in a second, at least.
-const BEATS: u32 = 60;
+pub(super) const BEATS: u32 = 60;
 /// Substeps in a beat: the fewest, and the most, with which all begin, as a rule and in deep piles.
 pub(super) const FEWEST: u32 = 2;
 pub(super) const MOST: u32 = 4;
 const MOST_IN_DEEP: u32 = 6;
 /// The parts of a beat in which time is counted: a multiple of all numbers of substeps.
 const PARTS: u32 = 12;
-
-/// Gravity moves a ball at rest by at most this part of the smallest radius in a substep of four a beat: else what falls within
-/// one would count for more than what is held.
-const SINKING: f64 = 0.01;
-/// ... as long as substeps are not shortened more than so many times.
-const MOST_SHORTENED: f64 = 1024.0;
-
-/// A pile is deep where gravity would move all of its layers together by more than this part of a ball's size in a substep, if it
-/// has so many balls: in four substeps, what crashes down comes to overlap by a tenth of a radius and more, gains energy as it parts,
-/// and does not come to rest. In eight, slow balls count as moving for too long. For balls of 9 px under the demo's gravity these
-/// are sixty layers.
-const DEEP_LOAD: f64 = 0.11;
-const DEEP_BALLS: usize = 500;
-/// The part of its room that a pile fills.
-const PACKED: f64 = 0.84;
 
 /// A beat of long substeps is the last, for now, in one of which impacts shift more than one in so many balls ...
 const MANY_HIT: usize = 16;
@@ -62,12 +46,6 @@ pub(super) const CARRIED: [f64; 3] = [100.0, 200.0, 350.0];
 /// ... or than the third, a pile of a hundred thousand, after so many beats in a row in which few were hit: one that still
 /// falls would be squeezed.
 const AT_REST: u32 = 60;
-
-/// Balls are of one size where the radii of more than half of them differ from the middle one by no more than this ratio. They lie in
-/// rows, as in a crystal, out of which hardly anything is pushed that was squeezed in between, and in long substeps it gets deeper:
-/// where more than so many do, all substeps are short.
-const ONE_SIZE: f64 = 1.015;
-const MANY_OF_ONE_SIZE: usize = 1000;
 
 /// Overlaps are taken away at this many sums of both radii a second at most, and faster where gravity or depth ask for shorter
 /// substeps: what starts in an overlap parts, and is not shot away.
@@ -101,7 +79,7 @@ impl Substeps {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
         let shortened = tuning.substeps.is_none().then(|| shortened(world, balls));
         let rate = shortened.map(|times| BEATS * PARTS * times).or(tuning.substeps).unwrap_or_default();
-        let is_deep = load(world, balls, shortened.unwrap_or(1)) > DEEP_LOAD;
+        let is_deep = lie_deep(world, balls, shortened.unwrap_or(1));
         let most = if is_deep { MOST_IN_DEEP } else { MOST };
         let (of_one_size, deep) = (are_many_of_one_size(balls), is_deep && tuning.sleep);
         Self { rate, shortened, of_one_size, most, deep, count: most, next: most, calm: 0 }
@@ -174,47 +152,9 @@ impl Substeps {
     }
 }
 
-/// Whether there are many balls, and most of those that move are of one size.
-fn are_many_of_one_size(balls: &[Ball]) -> bool {
-    let mut radii: Vec<f64> = balls.iter().filter(|ball| !ball.is_fixed()).map(|ball| ball.radius).collect();
-    if radii.len() <= MANY_OF_ONE_SIZE {
-        return false;
-    }
-    let middle = radii.len() / 2;
-    let (_, &mut size, _) = radii.select_nth_unstable_by(middle, f64::total_cmp);
-    radii.iter().filter(|&&radius| size <= ONE_SIZE * radius && radius <= ONE_SIZE * size).count() > middle
-}
-
-/// How far gravity would move all layers together that these balls may lie in, in a substep of beats that are so many times
-/// shorter, in times a ball's size; 0 where they are few, or fall for ever.
-fn load(world: &World, balls: &[Ball], shortened: u32) -> f64 {
-    let (Some(gravity), Some(_)) = (world.gravity, world.walls) else { return 0.0 };
-    let squares = || balls.iter().filter(|ball| !ball.is_fixed()).map(|ball| ball.radius * ball.radius);
-    let count = squares().count();
-    // The width of the floor times gravity.
-    let pull_across = world.size.dot(gravity.perp().abs());
-    if count < DEEP_BALLS || pull_across == 0.0 {
-        return 0.0;
-    }
-    let area = PI * squares().sum::<f64>();
-    let size = 2.0 * (area / (PI * count as f64)).sqrt();
-    let pull = gravity.length();
-    let layers = area * pull / (PACKED * pull_across * size);
-    let substep = 1.0 / f64::from(BEATS * shortened * MOST);
-    layers * pull * substep * substep / size
-}
-
 /// Whether beats may have fewer substeps than most.
 fn varies(balls: usize, gravity: DVec2) -> bool {
     balls > FEW && gravity != DVec2::ZERO
-}
-
-/// How many times shorter than usual substeps are.
-fn shortened(world: &World, balls: &[Ball]) -> u32 {
-    let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
-    let pull = world.gravity.unwrap_or_default().length();
-    let least = (pull / (SINKING * smallest)).sqrt();
-    (least / f64::from(BEATS * MOST)).ceil().clamp(1.0, MOST_SHORTENED) as u32
 }
 
 impl Setting {
@@ -445,59 +385,6 @@ mod tests {
         assert_eq!(counts(AT_REST - 2, HEAVY - 1), [2, 3, 3, 4, 4, 4], "while it falls");
         assert_eq!(counts(AT_REST, HEAVY - 1), [2, 3, 3, 3, 3, 4], "at rest");
         assert_eq!(counts(AT_REST, HEAVY), [2; 6], "where only one in a thousand does");
-    }
-
-    #[test]
-    fn substeps_are_short_where_more_than_half_of_many_balls_are_of_one_size() {
-        let world = World::new(DVec2::splat(1e4)).unwrap().with_gravity(GRAVITY).unwrap();
-        // So many balls with radii between these, and so many more of this radius.
-        let balls = |count: usize, radii: [f64; 2], more: usize, last: f64| -> Vec<Ball> {
-            let radius = |k: usize| radii[0] + (radii[1] - radii[0]) * k as f64 / count as f64;
-            let radii = (0..count).map(radius).chain(std::iter::repeat_n(last, more));
-            radii.map(|radius| Ball::new(DVec2::splat(100.0), radius).unwrap()).collect()
-        };
-        let least = |balls: &[Ball]| Substeps::new(&world, balls, TUNING).range(balls.len(), GRAVITY)[0];
-        for (balls, expected) in [
-            (balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 0, 9.0), 120),
-            (balls(MANY_OF_ONE_SIZE + 1, [5.0, 5.0], 0, 9.0), 240),
-            (balls(2000, [5.0, 5.14], 0, 9.0), 240),
-            (balls(2000, [5.0, 6.0], 0, 9.0), 120),
-            (balls(1500, [3.0, 6.0], 1400, 9.0), 120),
-            (balls(1400, [3.0, 6.0], 1500, 9.0), 240),
-        ] {
-            assert_eq!(least(&balls), expected, "{} balls from {}", balls.len(), balls[0].radius);
-        }
-        let few = Substeps::new(&world, &balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 0, 9.0), TUNING);
-        let many = balls(MANY_OF_ONE_SIZE + 1, [5.0, 5.0], 0, 9.0);
-        assert_eq!(few.with(&world, &many, TUNING).unwrap().range(many.len(), GRAVITY), [240; 2]);
-        let small = balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 1, 0.5);
-        assert!(few.with(&world, &small, TUNING).is_none(), "so small a ball asks for shorter beats");
-    }
-
-    #[test]
-    fn substeps_are_shorter_where_many_balls_lie_deep_beside_their_size_and_gravity() {
-        let range = |width: f64, gravity: DVec2, count: usize, times: f64, sleep: bool| {
-            let world = World::new(DVec2::new(width, 5000.0)).unwrap().with_walls(0.5).unwrap();
-            let world = world.with_gravity(gravity).unwrap();
-            let ball = |size: f64| Ball::new(DVec2::splat(20.0), times * size).unwrap();
-            let balls: Vec<Ball> = [3.0, 4.0, 5.0, 6.0].into_iter().cycle().take(count).map(ball).collect();
-            Substeps::new(&world, &balls, Tuning { sleep, ..TUNING }).range(count, gravity)
-        };
-        // 4,000 of these fill 270,000 px² of the plane, and are 9.3 px high in the middle: 320 px wide, 108 layers; 640, 54.
-        assert_eq!(range(320.0, GRAVITY, 4000, 1.0, true), [360; 2]);
-        assert_eq!(range(320.0, -GRAVITY, 4000, 1.0, true), [360; 2]);
-        assert_eq!(range(640.0, GRAVITY, 4000, 1.0, true), [120, 240]);
-        // Of a larger or a smaller size, or under less gravity, they give way by another part of their size.
-        assert_eq!(range(320.0, 0.5 * GRAVITY, 4000, 1.0, true), [120, 240]);
-        assert_eq!(range(640.0, GRAVITY, 8000, 1.0, true), [360; 2]);
-        assert_eq!(range(1280.0, GRAVITY, 8000, 2.0, true), [120, 240]);
-        // What may not sleep becomes longer again where it lies still.
-        assert_eq!(range(320.0, GRAVITY, 4000, 1.0, false), [120, 360]);
-        // What falls to the side lies in few layers.
-        assert_eq!(range(320.0, GRAVITY.perp(), 4000, 1.0, true), [120, 240]);
-        assert_eq!(range(320.0, DVec2::ZERO, 4000, 1.0, true), [240; 2]);
-        assert_eq!(range(40.0, GRAVITY, DEEP_BALLS - 1, 1.0, true), [120, 240]);
-        assert_eq!(range(40.0, GRAVITY, DEEP_BALLS, 1.0, true), [360; 2]);
     }
 
     #[test]
