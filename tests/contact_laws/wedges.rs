@@ -60,3 +60,27 @@ fn large_balls_wedged_in_among_small_ones_come_to_rest() {
         assert_eq!(fastest(&pile), 0.0, "seed {seed}");
     }
 }
+
+/// Two hundred balls, each between a fixed one below on its right and one above on its left that nearly face each other: each presses
+/// on both with several times its weight. They used to hop there for ever.
+#[test]
+fn a_ball_in_a_flat_wedge_lies_still_however_many_do() {
+    for flatness in [1.0_f64, 5.0, 9.0, 13.0, 17.0, 21.0, 25.0, 29.0, 33.0] {
+        let at = |degrees: f64| 10.0 * DVec2::from_angle(degrees.to_radians());
+        let wedge = |k: u32| {
+            let here = DVec2::new(40.0 + 60.0 * f64::from(k % 20), 40.0 + 60.0 * f64::from(k / 20));
+            let fixed = |place: DVec2| ball(place.x, place.y, 5.0).fixed();
+            [fixed(here + at(20.0)), ball(here.x, here.y, 5.0), fixed(here + at(200.0 - flatness))]
+        };
+        let world = world(1240.0, 640.0, 0.5).with_gravity(EARTH).unwrap();
+        let mut wedges = simulation(world, (0..200).flat_map(wedge).collect()).with_sleep(false);
+        wedges.advance(2.0).unwrap();
+        let (mut fastest_of_all, mut deepest) = (0.0_f64, 0.0_f64);
+        for _ in 0..60 {
+            wedges.advance(FRAME).unwrap();
+            (fastest_of_all, deepest) = (fastest_of_all.max(fastest(&wedges)), deepest.max(overlap(&wedges)));
+        }
+        assert!(fastest_of_all < 0.5, "{flatness}° from flat: {fastest_of_all} px/s");
+        assert!(deepest < 0.01, "{flatness}° from flat: {deepest} of a radius deep");
+    }
+}

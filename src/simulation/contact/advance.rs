@@ -75,6 +75,7 @@ impl Advance for Contact {
             return false;
         }
         self.substeps = substeps;
+        self.setting.firm = substeps.firm(self.setting.kick);
         self.setting.has_fixed = balls.iter().any(Ball::is_fixed);
         let known = self.bodies.len();
         for (id, ball) in (known as u32..).zip(&balls[known..]) {

@@ -10,6 +10,7 @@ use super::find::FEW;
 use super::layout::Layer;
 use super::stripes::Stripe;
 use super::sweep::Pass;
+use super::wedges::stop_in_wedge;
 use super::{Body, Contact, Setting};
 
 /// Rounds over the pairs of one ball, where each may undo some of what the others did.
@@ -47,13 +48,16 @@ impl Pass<'_> {
 impl Stripe {
     /// Stops what still sinks, from the ground up.
     fn carry_all<const PASSES_ON: bool>(&mut self, setting: &Setting, bodies: &mut [Body]) {
-        let Self { constraints, carrying, uppers, floors, .. } = self;
+        let Self { constraints, carrying, uppers, wedging, floors, .. } = self;
         let (constraints, carrying) = (&mut constraints[..], &carrying[..]);
         let most = PASSED_ON * setting.kick.length();
         for ends in uppers.windows(2) {
             let its = &carrying[ends[0] as usize..ends[1] as usize];
             let Some(&first) = its.first() else { continue };
             let upper = constraints[first as usize].pair.first as usize;
+            if stop_in_wedge(upper, constraints, bodies, its, wedging, floors) {
+                continue;
+            }
             match *its {
                 // On one it lies as on two that are the same: that takes no branch, which a processor could not foresee.
                 [one] | [one, _] => {
@@ -77,15 +81,15 @@ impl Stripe {
 /// What carries a ball: how fast it goes down there, at most.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Floor {
-    up: DVec2,
+    pub(super) up: DVec2,
     /// px/s along `up`, never more than 0.
-    least: f64,
+    pub(super) least: f64,
 }
 
 impl Floor {
     /// The lower ball of the constraint at this place.
     #[inline]
-    fn under(constraints: &[Constraint], bodies: &[Body], at: u32) -> Self {
+    pub(super) fn under(constraints: &[Constraint], bodies: &[Body], at: u32) -> Self {
         let constraint = &constraints[at as usize];
         let (up, lower) = (constraint.normal, &bodies[constraint.pair.second as usize]);
         Self { up, least: (lower.velocity.dot(up) + constraint.least.min(0.0)).min(0.0) }
@@ -141,7 +145,7 @@ fn stop_on<const FLOORS: usize, const PASSES_ON: bool>(
 /// Stops a ball by what the floor of each constraint adds to its velocity. Where that is passed on, it holds the ball in the next
 /// substep, too, and its opposite then acts on what carries it: up to `most`, px/s, between balls as heavy as each other.
 #[inline]
-fn stop<const PASSES_ON: bool>(
+pub(super) fn stop<const PASSES_ON: bool>(
     upper: usize,
     constraints: &mut [Constraint],
     bodies: &mut [Body],

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use glam::DVec2;
+
 use super::super::ball::Ball;
 use super::super::world::World;
 use super::substeps::{BEATS, MOST};
@@ -27,12 +29,28 @@ const PACKED: f64 = 0.84;
 const ONE_SIZE: f64 = 1.015;
 const MANY_OF_ONE_SIZE: usize = 1000;
 
-/// How many times shorter than usual substeps are.
+/// How many times shorter than usual substeps are: the smallest ball asks for the shortest.
 pub(super) fn shortened(world: &World, balls: &[Ball]) -> u32 {
     let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
-    let pull = world.gravity.unwrap_or_default().length();
-    let least = (pull / (SINKING * smallest)).sqrt();
+    shortened_for(smallest, world.gravity.unwrap_or_default())
+}
+
+/// The same where all balls were of this radius.
+pub(super) fn shortened_for(radius: f64, gravity: DVec2) -> u32 {
+    let least = (gravity.length() / (SINKING * radius)).sqrt();
     (least / f64::from(BEATS * MOST)).ceil().clamp(1.0, MOST_SHORTENED) as u32
+}
+
+/// The radius of a ball of the mean area of those that move; infinite where none does.
+pub(super) fn middle_radius(balls: &[Ball]) -> f64 {
+    let (count, squares) = moving_squares(balls);
+    if count > 0 { (squares / count as f64).sqrt() } else { f64::INFINITY }
+}
+
+/// How many balls move, and the sum of the squares of their radii.
+fn moving_squares(balls: &[Ball]) -> (usize, f64) {
+    let moving = balls.iter().filter(|ball| !ball.is_fixed());
+    moving.fold((0, 0.0), |(count, sum), ball| (count + 1, sum + ball.radius * ball.radius))
 }
 
 /// Whether there are many balls, and most of those that move are of one size.
@@ -55,15 +73,14 @@ pub(super) fn lie_deep(world: &World, balls: &[Ball], shortened: u32) -> bool {
 /// shorter, in times a ball's size; 0 where they are few, or fall for ever.
 fn load(world: &World, balls: &[Ball], shortened: u32) -> f64 {
     let (Some(gravity), Some(_)) = (world.gravity, world.walls) else { return 0.0 };
-    let squares = || balls.iter().filter(|ball| !ball.is_fixed()).map(|ball| ball.radius * ball.radius);
-    let count = squares().count();
+    let (count, squares) = moving_squares(balls);
     // The width of the floor times gravity.
     let pull_across = world.size.dot(gravity.perp().abs());
     if count < DEEP_BALLS || pull_across == 0.0 {
         return 0.0;
     }
-    let area = PI * squares().sum::<f64>();
-    let size = 2.0 * (area / (PI * count as f64)).sqrt();
+    let area = PI * squares;
+    let size = 2.0 * middle_radius(balls);
     let pull = gravity.length();
     let layers = area * pull / (PACKED * pull_across * size);
     let substep = 1.0 / f64::from(BEATS * shortened * MOST);

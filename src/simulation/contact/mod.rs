@@ -10,8 +10,8 @@
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `stripe_turn`, `rewind`, `events`,
 //!    `fates`, `impacts`, `ending`, `meeting`, `together`, `walls`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
-//!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`);
-//!    what counts as heavier than it is, and is fast, is slowed down before;
+//!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`,
+//!    `wedges`); what counts as heavier than it is, and is fast, is slowed down before;
 //! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
 //!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from gaining energy
 //!    by what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they
@@ -70,6 +70,7 @@ mod turns;
 mod unlike;
 mod wall_support;
 mod walls;
+mod wedges;
 mod weights;
 
 use glam::DVec2;

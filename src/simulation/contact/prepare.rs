@@ -37,9 +37,11 @@ impl Stripe {
         self.see_all(setting, share.bodies);
         self.hold_all(setting, share);
         // Whether, and as what, pairs are held apart.
-        let touching = Marks::LIVE | Marks::IDLE | Marks::UNLIKE_IN_SIZE | Marks::UNLIKE_IN_DENSITY;
+        let still = Marks::STILL | Marks::IDLE;
+        let touching = Marks::LIVE | still | Marks::UNLIKE_IN_SIZE | Marks::UNLIKE_IN_DENSITY;
         if !self.carrying_for.stands(&self.marks, touching, self.constraints.len()) {
             self.gather_carrying();
+            self.gather_wedging(share.rests);
             self.deal_touching();
         }
     }

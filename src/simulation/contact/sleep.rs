@@ -11,7 +11,6 @@ use glam::DVec2;
 use super::constraints::Given;
 use super::loads::Resting;
 use super::stripes::Stripes;
-use super::substeps::Substeps;
 use super::thrown::THROWN;
 use super::unlike::Unlike;
 use super::{Body, Contact};
@@ -20,7 +19,8 @@ use super::{Body, Contact};
 const WINDOW: f64 = 0.5;
 /// ... and steps in which time is counted: substeps, where their number was asked for.
 const LEAST_WINDOW: u64 = 32;
-/// A ball rests where it has drifted slower than this, in kicks of gravity (the speed that gravity gives in a substep).
+/// A ball rests where it has drifted slower than this, in kicks of gravity (the speed that gravity gives in a substep) that suits
+/// its size.
 const DRIFT: f64 = 0.25;
 /// ... and slower than one kick in the end, or, where it was hit just then and not in the substep before, than so many: one that
 /// leans on others may hop on them for ever in every other substep. (One was seen to, 1.3 kicks fast, by 0.0002 of its radius.)
@@ -115,17 +115,17 @@ impl Contact {
         }
     }
 
-    /// How far a ball at rest may drift in a window of so many of the steps in which time is counted, px.
-    fn drift(&self, window: u64) -> f64 {
-        let Substeps { rate, .. } = self.substeps;
-        let kick = self.setting.gravity.length() * self.substeps.shortest() as f64 / f64::from(rate);
-        DRIFT * kick * window as f64 / f64::from(rate)
+    /// How far a ball at rest, of this radius, may drift in a window of so many of the steps in which time is counted, px.
+    fn drift(&self, radius: f64, window: u64) -> f64 {
+        let (gravity, substeps) = (self.setting.gravity, &self.substeps);
+        let kick = gravity.length() * substeps.seconds_for(radius, gravity);
+        DRIFT * kick * window as f64 / f64::from(substeps.rate)
     }
 
     /// Notes which balls are elsewhere than when their rest was last looked at.
     fn find_swinging(&mut self, window: u64) {
-        let drift = self.drift(window);
-        for (rest, body) in self.rests.iter_mut().zip(&self.bodies) {
+        let drifts: Vec<f64> = self.bodies.iter().map(|body| self.drift(body.radius, window)).collect();
+        for ((rest, body), drift) in self.rests.iter_mut().zip(&self.bodies).zip(drifts) {
             rest.swung = body.position.distance_squared(rest.anchor) > drift * drift;
         }
     }
@@ -142,19 +142,23 @@ impl Contact {
         let team = self.team.clone();
         self.find_held(&team);
         let depths = self.depths();
-        let drift = self.drift(window);
+        let drifts: Vec<f64> = self.bodies.iter().map(|body| self.drift(body.radius, window)).collect();
         let (usual, of_one_size) = JAMMED_AFTER;
         let jammed_after = if self.substeps.of_one_size { of_one_size } else { usual };
-        let Self { setting, bodies, rests, near: Some(near), held, course, .. } = self else { return };
-        let step = setting.kick.length() * setting.substep;
+        let Self { setting, substeps, bodies, rests, near: Some(near), held, course, .. } = self else {
+            return;
+        };
         let still = |at: usize, body: &Body, rest: &Rest| {
             // One that was hit just now has not gone far either. But one that others squeeze may be hit all the time, and
             // have a velocity that takes it nowhere.
             let Some((last, was_hit)) = rest.last else { return false };
             let hops = course.was_hit(at) && !was_hit;
-            let most = if hops { HOP } else { 1.0 } * setting.kick.length();
+            let seconds = setting.substep.max(substeps.seconds_for(body.radius, setting.gravity));
+            let kick = setting.gravity.length() * seconds;
+            let (most, step) = (if hops { HOP } else { 1.0 } * kick, kick * seconds);
             let slow = body.velocity.length_squared() < most * most
                 || (body.position.distance_squared(last) < step * step && !hops);
+            let drift = drifts[at];
             slow && !rest.swung && body.position.distance_squared(rest.anchor) < drift * drift
         };
         let looked_at = bodies.iter().zip(&mut *rests).zip(&depths).enumerate();

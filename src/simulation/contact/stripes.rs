@@ -15,6 +15,7 @@ use super::prepare::Followed;
 use super::rewind::Taken;
 use super::substeps::CARRIED;
 use super::unlike::Unlike;
+use super::wedges::Wedging;
 use super::{Body, DVec2, Setting};
 
 /// A pair that holds each other bounces only where it meets faster than [`Setting::firm`] and this part of the velocity
@@ -56,6 +57,8 @@ pub(super) struct Stripe {
     /// The same, those of each upper ball side by side, and where these end, after a 0.
     pub(super) carrying: Vec<u32>,
     pub(super) uppers: Vec<u32>,
+    /// Those of which one cannot be moved.
+    pub(super) wedging: Vec<Wedging>,
     pub(super) carrying_for: Followed,
     /// For each dealt pair, where its first ball is at the substep's beginning, seen from the second, and
     /// how far away, px.
@@ -113,6 +116,7 @@ impl Stripe {
         for list in [close, dealt, touching, carrying, uppers] {
             list.clear();
         }
+        self.wedging.clear();
         self.ends = [0; Unlike::KINDS];
         close_for.forget();
         carrying_for.forget();

@@ -13,7 +13,7 @@ use glam::DVec2;
 use super::super::Tuning;
 use super::super::ball::Ball;
 use super::super::world::World;
-use super::demands::{are_many_of_one_size, lie_deep, shortened};
+use super::demands::{are_many_of_one_size, lie_deep, middle_radius, shortened, shortened_for};
 use super::energy::Keeping;
 use super::find::FEW;
 use super::layout::Layer;
@@ -61,6 +61,8 @@ pub(super) struct Substeps {
     pub(super) rate: u32,
     /// How many times shorter than usual beats are; [`None`] where the number of substeps was asked for.
     shortened: Option<u32>,
+    /// How many times shorter they are than balls of the middle size alone would ask for.
+    finer: f64,
     /// Whether so many balls are of one size that they lie in crystals: then all are short.
     pub(super) of_one_size: bool,
     /// Substeps in a beat of the shortest.
@@ -82,13 +84,15 @@ impl Substeps {
         let is_deep = lie_deep(world, balls, shortened.unwrap_or(1));
         let most = if is_deep { MOST_IN_DEEP } else { MOST };
         let (of_one_size, deep) = (are_many_of_one_size(balls), is_deep && tuning.sleep);
-        Self { rate, shortened, of_one_size, most, deep, count: most, next: most, calm: 0 }
+        let middle = shortened_for(middle_radius(balls), world.gravity.unwrap_or_default());
+        let finer = shortened.map_or(1.0, |times| f64::from(times) / f64::from(middle));
+        Self { rate, shortened, finer, of_one_size, most, deep, count: most, next: most, calm: 0 }
     }
 
     /// The same for more balls, unless these ask for shorter beats, or more substeps in them.
     pub(super) fn with(&self, world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
-        let Self { rate, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
-        ((rate, most) == (self.rate, self.most)).then_some(Self { of_one_size, deep, ..*self })
+        let Self { rate, finer, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
+        ((rate, most) == (self.rate, self.most)).then_some(Self { finer, of_one_size, deep, ..*self })
     }
 
     /// Has the next beat of so many.
@@ -147,6 +151,19 @@ impl Substeps {
         self.length_of(self.most)
     }
 
+    /// What is fast enough to bounce among what holds each other, px/s, under such kicks of gravity: what is so for balls of the
+    /// middle size.
+    pub(super) fn firm(&self, kick: DVec2) -> f64 {
+        FIRM * self.finer * kick.length()
+    }
+
+    /// How long one of the shortest takes where all balls are of this size, s: what is slow for a ball is so whatever small ones lie
+    /// around it.
+    pub(super) fn seconds_for(&self, radius: f64, gravity: DVec2) -> f64 {
+        let of_all = 1.0 / f64::from(self.rate);
+        self.shortened.map_or(of_all, |_| 1.0 / f64::from(BEATS * self.most * shortened_for(radius, gravity)))
+    }
+
     fn length_of(&self, count: u32) -> u64 {
         if self.shortened.is_some() { u64::from(PARTS / count) } else { 1 }
     }
@@ -188,7 +205,7 @@ impl Setting {
     fn with_length(self, substeps: &Substeps) -> Self {
         let substep = substeps.seconds();
         let kick = self.gravity * substep;
-        Self { substep, kick, firm: FIRM * kick.length(), softness: Softness::of(substeps.count), ..self }
+        Self { substep, kick, firm: substeps.firm(kick), softness: Softness::of(substeps.count), ..self }
     }
 }
 
