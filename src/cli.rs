@@ -1,12 +1,14 @@
 //! The command line.
 
+use std::env;
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use carom::simulation::limits::{MAX_BALLS, SIZE};
 use carom::{DVec2, Solver};
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -40,6 +42,44 @@ pub struct Cli {
     #[command(flatten)]
     pub window: WindowArgs,
 }
+
+impl Cli {
+    /// What the program was called with; where that makes no sense, it ends here, and says why.
+    pub fn of_this_call() -> Self {
+        let words: Vec<_> = env::args_os().collect();
+        Self::try_parse_from(&words).unwrap_or_else(|error| {
+            // With a scene of its own, the program takes what comes behind it for a command that does not go with that.
+            let conflict = error.kind() == ErrorKind::ArgumentConflict;
+            match error.get(ContextKind::InvalidSubcommand).filter(|_| conflict) {
+                Some(ContextValue::String(word)) => {
+                    let words: Vec<_> = words.iter().skip(1).map(|word| word.to_string_lossy()).collect();
+                    Self::command().error(ErrorKind::UnknownArgument, misplaced(word, &words)).exit()
+                }
+                _ => error.exit(),
+            }
+        })
+    }
+}
+
+/// What is wrong with a call with these words, of which this one is where a command might be.
+fn misplaced(word: &str, words: &[impl AsRef<str>]) -> String {
+    let commands = Cli::command();
+    let names = || commands.get_subcommands().map(clap::Command::get_name);
+    if let Some(name) = names().find(|&name| words.iter().any(|word| word.as_ref() == name)) {
+        return format!("options of {name} come behind it: carom {name} …");
+    }
+    let first = words.iter().map(AsRef::as_ref).find(|word| !word.starts_with('-')).unwrap_or_default();
+    let alike = |name: &&str| strsim::normalized_damerau_levenshtein(first, name) > ALIKE;
+    match names().find(alike) {
+        Some(name) => format!("there is no command '{first}'; did you mean '{name}'?"),
+        None => format!(
+            "'{word}' is one word too many; the window shows one scene, and its options stand with two dashes"
+        ),
+    }
+}
+
+/// Words that are more like each other than this may be meant for each other.
+const ALIKE: f64 = 0.6;
 
 #[derive(Debug, Subcommand)]
 pub enum Command {

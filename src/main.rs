@@ -18,13 +18,12 @@ use carom::session::Replay;
 #[cfg(feature = "window")]
 use carom::window::WindowError;
 use carom::{Scene, SceneError};
-use clap::Parser;
 use thiserror::Error;
 
 use crate::cli::{Cli, Command, RunArgs, SceneArgs, WindowArgs};
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::of_this_call();
     #[cfg(unix)]
     signals::watch();
     let done = match cli.command {
@@ -64,7 +63,7 @@ enum Failure {
     Window(#[from] WindowError),
     #[cfg(not(feature = "window"))]
     #[error(
-        "this carom was built without its window; build it with the default features, or call carom run {0}"
+        "this carom was built without its window; build it with the default features, or call carom run {0:?}"
     )]
     NoWindow(String),
     #[cfg(not(feature = "report"))]

@@ -30,6 +30,13 @@ impl Progress {
     /// Shows that so many steps are done, and the `name` of what is being done, if it has any.
     pub(crate) fn show(&mut self, done: u64, name: &str) {
         if self.bar.is_none() && self.shows && self.begun.elapsed() > PATIENCE {
+            let begun = self.begun;
+            let left = move |state: &ProgressState, text: &mut dyn fmt::Write| {
+                if let Some(left) = left(begun.elapsed(), state.pos(), state.len()) {
+                    // What cannot be shown is not.
+                    let _ = write!(text, ", {:#} left", HumanDuration(left));
+                }
+            };
             let style = ProgressStyle::with_template(self.template).map(|style| style.with_key("left", left));
             let bar = ProgressBar::new(self.steps);
             self.bar = Some(bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
@@ -53,12 +60,11 @@ impl Progress {
     }
 }
 
-/// How long it will take, once there is something to tell it by.
-fn left(state: &ProgressState, text: &mut dyn fmt::Write) {
-    if state.pos() > 0 {
-        // What cannot be shown is not.
-        let _ = write!(text, ", {:#} left", HumanDuration(state.eta()));
-    }
+/// How long the steps that are left will take, if each takes as long as those that are done did on average. (The bar's own guess
+/// begins with the bar, when many steps are done already.)
+fn left(taken: Duration, done: u64, steps: Option<u64>) -> Option<Duration> {
+    let to_do = steps?.saturating_sub(done);
+    Duration::try_from_secs_f64(taken.as_secs_f64() * to_do as f64 / done as f64).ok()
 }
 
 impl Drop for Progress {
@@ -66,5 +72,18 @@ impl Drop for Progress {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_takes_as_long_a_step_as_what_is_done() {
+        let taken = Duration::from_secs(6);
+        assert_eq!(left(taken, 3, Some(10)), Some(Duration::from_secs(14)));
+        assert_eq!(left(taken, 10, Some(10)), Some(Duration::ZERO));
+        assert_eq!(left(taken, 0, Some(10)), None);
     }
 }

@@ -299,15 +299,29 @@ const ADDED_STREAM: u64 = 1 << 32;
 
 /// The text of a scene file, which is at most [`LONGEST_FILE`] bytes long.
 pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
-    read_up_to(LONGEST_FILE, path)
+    let bytes = bytes_up_to(LONGEST_FILE, path)
         .map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?
-        .ok_or_else(|| SceneError::TooLong { path: path.to_owned(), most: LONGEST_FILE })
+        .ok_or_else(|| SceneError::TooLong { path: path.to_owned(), most: LONGEST_FILE })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let (text, valid) = (String::from_utf8_lossy(error.as_bytes()), error.utf8_error().valid_up_to());
+        let message = "this is not UTF-8; save the file in that encoding";
+        SceneError::Wrong(Fault::at(&path.display().to_string(), &text, Some(valid), message))
+    })
 }
 
 /// The text of a file; none where it is longer than so many bytes, and then no more than these are read.
 pub(crate) fn read_up_to(most: u64, path: &Path) -> io::Result<Option<String>> {
-    let mut text = String::new();
+    let text = bytes_up_to(most, path)?.map(String::from_utf8).transpose();
+    text.map_err(|error| {
+        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        io::Error::new(io::ErrorKind::InvalidData, format!("line {line} is not UTF-8"))
+    })
+}
+
+fn bytes_up_to(most: u64, path: &Path) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
     // One byte more than allowed tells a file that is too long from one that just is not.
-    File::open(path)?.take(most + 1).read_to_string(&mut text)?;
-    Ok((text.len() as u64 <= most).then_some(text))
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= most).then_some(bytes))
 }

@@ -131,7 +131,7 @@ pub(super) const HELP: [&[Group]; 2] = [
             keys: &[
                 ("Space", "pause, go on"),
                 (". or →", "one step while paused"),
-                ("Shift+→", "to the next impact"),
+                ("Shift+→", "to the next impact (exact)"),
                 ("←", "a step back; held: rewind"),
                 ("[ ]", "slower, faster"),
                 ("R", "reset the scene"),

@@ -266,7 +266,7 @@ mod tests {
         assert_eq!(setting.told(20), [Ok(10.0)]);
         fs::write(setting.path(), b"about = \"\xff\xfe\"\n").unwrap();
         let [Err(error)] = &setting.told(20)[..] else { panic!() };
-        assert!(error.contains("mine.toml: ") && error.contains("UTF-8"), "{error}");
+        assert!(error.contains("mine.toml:1: this is not UTF-8"), "{error}");
     }
 
     #[test]

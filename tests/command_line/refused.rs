@@ -12,12 +12,16 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
     fs::write(here.path().join("empty.txt"), "# nothing\n").unwrap();
     fs::write(here.path().join("a.replay"), "carom replay 1\nscene gravity\nframe 0\n").unwrap();
     fs::write(here.path().join("binary.toml"), [0xff, 0xfe, 0x00]).unwrap();
+    fs::write(here.path().join("latin.toml"), b"size = [99, 99]\nabout = \"B\xe4lle\"\n").unwrap();
+    fs::write(here.path().join("cut.replay"), "carom replay 1\nscene draw\nframe 0.").unwrap();
     let cases: &[(&[&str], &str)] = &[
         (&["run", "nosuch"], "there is no scene \"nosuch\"; choose from: draw"),
         (&["run", "nosuch.toml"], "nosuch.toml: "),
         (&["run", "bad.toml"], "bad.toml:3: radius is -1 px"),
         (&["run", "heavy.toml"], "heavy.toml:1: gravity is 1e20"),
-        (&["run", "binary.toml"], "binary.toml: "),
+        (&["run", "binary.toml"], "binary.toml:1: this is not UTF-8; save the file in that encoding"),
+        (&["run", "latin.toml"], "latin.toml:2: this is not UTF-8"),
+        (&["run", "draw", "--commands", "cut.replay"], "cut.replay:3: the file ends within this line"),
         (&["scene", "bad.toml"], "bad.toml:3"),
         (&["run"], "<SCENE>"),
         (&["run", "draw", "--seconds", "-1"], "--seconds"),
@@ -54,6 +58,9 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         #[cfg(feature = "window")]
         (&["gravity", "--size", "100x100"], "wider than the world (100x100 px)"),
         (&["nosuch"], "there is no scene \"nosuch\""),
+        (&["rnu", "elastic"], "there is no command 'rnu'; did you mean 'run'?"),
+        (&["gravity", "elastic"], "'elastic' is one word too many"),
+        (&["--solver", "exact", "run", "gravity"], "options of run come behind it: carom run …"),
         (&["--scale", "0"], "such as 0.5"),
     ];
     for (args, message) in cases {
