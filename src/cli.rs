@@ -47,34 +47,49 @@ impl Cli {
     /// What the program was called with; where that makes no sense, it ends here, and says why.
     pub fn of_this_call() -> Self {
         let words: Vec<_> = env::args_os().collect();
-        Self::try_parse_from(&words).unwrap_or_else(|error| {
-            // With a scene of its own, the program takes what comes behind it for a command that does not go with that.
-            let conflict = error.kind() == ErrorKind::ArgumentConflict;
-            match error.get(ContextKind::InvalidSubcommand).filter(|_| conflict) {
-                Some(ContextValue::String(word)) => {
-                    let words: Vec<_> = words.iter().skip(1).map(|word| word.to_string_lossy()).collect();
-                    Self::command().error(ErrorKind::UnknownArgument, misplaced(word, &words)).exit()
-                }
-                _ => error.exit(),
+        let refuse = |message| -> Self { Self::command().error(ErrorKind::UnknownArgument, message).exit() };
+        match Self::try_parse_from(&words) {
+            Ok(Self { command: None, window }) if commands().any(|name| name == window.scene) => {
+                refuse(comes_first(&window.scene))
             }
-        })
+            Ok(call) => call,
+            Err(error) if error.kind() == ErrorKind::ArgumentConflict => {
+                // With a scene of its own, the program takes what comes behind it for a command that does not go with that.
+                let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
+                    error.exit()
+                };
+                let words: Vec<_> = words.iter().map(|word| word.to_string_lossy()).collect();
+                refuse(misplaced(word, &words))
+            }
+            Err(error) => error.exit(),
+        }
     }
 }
 
-/// What is wrong with a call with these words, of which this one is where a command might be.
+/// The names of the commands that there are.
+fn commands() -> impl Iterator<Item = String> {
+    let cli = Cli::command();
+    let shown = cli.get_subcommands().filter(|command| !command.is_hide_set());
+    shown.map(|command| command.get_name().to_owned()).collect::<Vec<_>>().into_iter()
+}
+
+fn comes_first(command: &str) -> String {
+    format!("{command} comes first: carom {command} …")
+}
+
+/// What is wrong in a call with these words, where this one stands behind a scene.
 fn misplaced(word: &str, words: &[impl AsRef<str>]) -> String {
-    let commands = Cli::command();
-    let names = || commands.get_subcommands().map(clap::Command::get_name);
-    if let Some(name) = names().find(|&name| words.iter().any(|word| word.as_ref() == name)) {
-        return format!("options of {name} come behind it: carom {name} …");
+    if let Some(command) = commands().find(|name| words.iter().any(|word| word.as_ref() == name)) {
+        return comes_first(&command);
     }
-    let first = words.iter().map(AsRef::as_ref).find(|word| !word.starts_with('-')).unwrap_or_default();
-    let alike = |name: &&str| strsim::normalized_damerau_levenshtein(first, name) > ALIKE;
-    match names().find(alike) {
-        Some(name) => format!("there is no command '{first}'; did you mean '{name}'?"),
-        None => format!(
-            "'{word}' is one word too many; the window shows one scene, and its options stand with two dashes"
-        ),
+    let at = words.iter().position(|known| known.as_ref() == word).unwrap_or_default();
+    let before =
+        words[..at].iter().map(AsRef::as_ref).rfind(|word| !word.starts_with('-')).unwrap_or_default();
+    let likeness = |name: &str| strsim::normalized_damerau_levenshtein(before, name);
+    let meant = commands().max_by(|one, other| likeness(one).total_cmp(&likeness(other)));
+    match meant.filter(|name| likeness(name) > ALIKE) {
+        Some(name) => format!("there is no command '{before}'; did you mean '{name}'?"),
+        None => format!("'{word}' is one word too many; the window shows one scene"),
     }
 }
 

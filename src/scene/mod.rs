@@ -314,7 +314,7 @@ pub(crate) fn read_up_to(most: u64, path: &Path) -> io::Result<Option<String>> {
     let text = bytes_up_to(most, path)?.map(String::from_utf8).transpose();
     text.map_err(|error| {
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        let line = before.split(|&byte| byte == b'\n').count();
         io::Error::new(io::ErrorKind::InvalidData, format!("line {line} is not UTF-8"))
     })
 }

@@ -60,7 +60,10 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         (&["nosuch"], "there is no scene \"nosuch\""),
         (&["rnu", "elastic"], "there is no command 'rnu'; did you mean 'run'?"),
         (&["gravity", "elastic"], "'elastic' is one word too many"),
-        (&["--solver", "exact", "run", "gravity"], "options of run come behind it: carom run …"),
+        (&["--solver", "exact", "run", "gravity"], "run comes first: carom run …"),
+        (&["--balls", "5", "scenes"], "scenes comes first: carom scenes …"),
+        (&["scen", "gravity"], "there is no command 'scen'; did you mean 'scene'?"),
+        (&["--seed", "1", "rnu", "elastic"], "there is no command 'rnu'; did you mean 'run'?"),
         (&["--scale", "0"], "such as 0.5"),
     ];
     for (args, message) in cases {

@@ -139,7 +139,6 @@ fn a_slab_that_collapses_in_a_wide_box_comes_to_rest_nearly_level() {
     assert!(mean < 1.62, "{steep:?} times as many balls in the left half as in the right");
 }
 
-/// Small ones between large ones trembled for ever, and were pressed into each other by up to half of their radius.
 /// A pile of balls of these radii, after so many seconds.
 fn pile_of_sizes(count: u32, size: [u32; 2], radius: [u32; 2], seed: u32, seconds: f64) -> Simulation {
     let text = format!(
@@ -151,6 +150,7 @@ fn pile_of_sizes(count: u32, size: [u32; 2], radius: [u32; 2], seed: u32, second
     pile
 }
 
+/// Small ones between large ones trembled for ever, and were pressed into each other by up to half of their radius.
 #[test]
 fn a_pile_of_one_material_comes_to_rest_however_unlike_its_sizes() {
     // More of these never rested, nor did most of those within twice the time.
@@ -163,7 +163,7 @@ fn a_pile_of_one_material_comes_to_rest_however_unlike_its_sizes() {
     }
 }
 
-/// One in fifteen takes longer: a last ball rocks in a dip.
+/// Of a hundred, seven take longer, up to twenty seconds: a last ball rocks in a dip.
 #[test]
 fn piles_of_unlike_sizes_come_to_rest_soon_but_for_one_in_twelve() {
     let piles = (1..=12).map(|seed| pile_of_sizes(1200, [438, 246], [1, 6], seed, 8.0));

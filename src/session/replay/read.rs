@@ -26,12 +26,7 @@ pub(super) struct Read {
 pub(super) fn read(text: &str, scene: &Scene) -> Result<Read, (usize, String)> {
     let mut read = Read { header: Header::default(), scene: scene.clone(), entries: Vec::new() };
     let mut in_header = true;
-    if !text.ends_with('\n') {
-        // What is left of a number may be one, too.
-        let message =
-            "the file ends within this line: it was cut off, or the line break at its end is missing";
-        return Err((text.lines().count(), message.to_owned()));
-    }
+    let unended = (!text.ends_with('\n')).then(|| text.lines().count());
     for (number, text) in (1..).zip(text.lines()).skip(1) {
         let mut line = Line { words: text.split_whitespace() };
         let Some(keyword) = line.words.next().filter(|word| !word.starts_with('#')) else { continue };
@@ -43,6 +38,12 @@ pub(super) fn read(text: &str, scene: &Scene) -> Result<Read, (usize, String)> {
             let entry = read_entry(keyword, &mut line).map_err(|message| (number, message))?;
             line.end().map_err(|message| (number, message))?;
             read.entries.push(entry);
+        }
+        if unended == Some(number) {
+            // What is left of a number may be one, too.
+            let message =
+                "the file ends within this line: it was cut off, or the line break at its end is missing";
+            return Err((number, message.to_owned()));
         }
     }
     Ok(read)

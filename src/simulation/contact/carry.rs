@@ -48,6 +48,19 @@ impl Pass<'_> {
 impl Stripe {
     /// Stops what still sinks, from the ground up.
     fn carry_all<const PASSES_ON: bool>(&mut self, setting: &Setting, bodies: &mut [Body]) {
+        // Twice, so that what has no wedges does not look for any.
+        if self.wedging.is_empty() {
+            self.carry_each::<PASSES_ON, false>(setting, bodies);
+        } else {
+            self.carry_each::<PASSES_ON, true>(setting, bodies);
+        }
+    }
+
+    fn carry_each<const PASSES_ON: bool, const WEDGES: bool>(
+        &mut self,
+        setting: &Setting,
+        bodies: &mut [Body],
+    ) {
         let Self { constraints, carrying, uppers, wedging, floors, .. } = self;
         let (constraints, carrying) = (&mut constraints[..], &carrying[..]);
         let most = PASSED_ON * setting.kick.length();
@@ -55,7 +68,7 @@ impl Stripe {
             let its = &carrying[ends[0] as usize..ends[1] as usize];
             let Some(&first) = its.first() else { continue };
             let upper = constraints[first as usize].pair.first as usize;
-            if stop_in_wedge(upper, constraints, bodies, its, wedging, floors) {
+            if WEDGES && stop_in_wedge(setting, upper, constraints, bodies, its, wedging, floors) {
                 continue;
             }
             match *its {
@@ -145,7 +158,7 @@ fn stop_on<const FLOORS: usize, const PASSES_ON: bool>(
 /// Stops a ball by what the floor of each constraint adds to its velocity. Where that is passed on, it holds the ball in the next
 /// substep, too, and its opposite then acts on what carries it: up to `most`, px/s, between balls as heavy as each other.
 #[inline]
-pub(super) fn stop<const PASSES_ON: bool>(
+fn stop<const PASSES_ON: bool>(
     upper: usize,
     constraints: &mut [Constraint],
     bodies: &mut [Body],

@@ -22,8 +22,9 @@ const LEAST_WINDOW: u64 = 32;
 /// A ball rests where it has drifted slower than this, in kicks of gravity (the speed that gravity gives in a substep) that suits
 /// its size.
 const DRIFT: f64 = 0.25;
-/// ... and slower than one kick in the end, or, where it was hit just then and not in the substep before, than so many: one that
-/// leans on others may hop on them for ever in every other substep. (One was seen to, 1.3 kicks fast, by 0.0002 of its radius.)
+/// ... and in the end slower than one kick, or gone no farther in a substep than one kick goes in a substep that suits its size, or,
+/// where it was hit just then and not in the substep before, slower than so many: one that leans on others may hop on them for ever
+/// in every other substep. (One was seen to, 1.3 kicks fast, by 0.0002 of its radius.)
 const HOP: f64 = 2.0;
 /// A ball that overlaps another by more than this part of the smaller radius is not at rest ...
 pub(super) const DEEP: f64 = 0.05;
@@ -115,16 +116,17 @@ impl Contact {
         }
     }
 
-    /// How far a ball at rest, of this radius, may drift in a window of so many of the steps in which time is counted, px.
-    fn drift(&self, radius: f64, window: u64) -> f64 {
+    /// How far each ball may drift at rest in a window of so many of the steps in which time is counted, px.
+    fn drifts(&self, window: u64) -> Vec<f64> {
         let (gravity, substeps) = (self.setting.gravity, &self.substeps);
-        let kick = gravity.length() * substeps.seconds_for(radius, gravity);
-        DRIFT * kick * window as f64 / f64::from(substeps.rate)
+        let seconds = window as f64 / f64::from(substeps.rate);
+        let kick = |body: &Body| gravity.length() * substeps.seconds_for(body.radius, gravity);
+        self.bodies.iter().map(|body| DRIFT * kick(body) * seconds).collect()
     }
 
     /// Notes which balls are elsewhere than when their rest was last looked at.
     fn find_swinging(&mut self, window: u64) {
-        let drifts: Vec<f64> = self.bodies.iter().map(|body| self.drift(body.radius, window)).collect();
+        let drifts = self.drifts(window);
         for ((rest, body), drift) in self.rests.iter_mut().zip(&self.bodies).zip(drifts) {
             rest.swung = body.position.distance_squared(rest.anchor) > drift * drift;
         }
@@ -142,7 +144,7 @@ impl Contact {
         let team = self.team.clone();
         self.find_held(&team);
         let depths = self.depths();
-        let drifts: Vec<f64> = self.bodies.iter().map(|body| self.drift(body.radius, window)).collect();
+        let drifts = self.drifts(window);
         let (usual, of_one_size) = JAMMED_AFTER;
         let jammed_after = if self.substeps.of_one_size { of_one_size } else { usual };
         let Self { setting, substeps, bodies, rests, near: Some(near), held, course, .. } = self else {

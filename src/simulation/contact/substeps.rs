@@ -151,8 +151,8 @@ impl Substeps {
         self.length_of(self.most)
     }
 
-    /// What is fast enough to bounce among what holds each other, px/s, under such kicks of gravity: what is so for balls of the
-    /// middle size.
+    /// What is fast among what holds each other, px/s, under such kicks of gravity: what is so for balls of the middle size. What is
+    /// slower does not bounce, and is braked where it slides.
     pub(super) fn firm(&self, kick: DVec2) -> f64 {
         FIRM * self.finer * kick.length()
     }

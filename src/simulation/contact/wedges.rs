@@ -1,4 +1,5 @@
-//! Balls that are wedged in between what carries them and what is above them and does not give way: a ball asleep, or a fixed one.
+//! Balls that are wedged in between what carries them and what nearly faces that and does not give way: a ball asleep, or a fixed one.
+//! Of pairs of one stripe, that is: a wedge across the edge of two is left to sweeps.
 //!
 //! In a flat wedge, what holds a ball is many times its weight, and sweeps find that in hundreds of substeps, while the ball hops
 //! in it, and wakes those around it. What keeps it from going farther in is found at once: among its velocities that take it into
@@ -7,11 +8,11 @@
 
 use glam::DVec2;
 
-use super::Body;
-use super::carry::{Floor, stop};
+use super::carry::Floor;
 use super::constraints::{Constraint, Marks};
 use super::sleep::Rest;
 use super::stripes::Stripe;
+use super::{Body, Setting};
 
 /// A wedge is flat where what is above faces what carries the ball to within an angle of this cosine: 30° under a fixed ball, 14° under
 /// one asleep. What others hold, sweeps find soon; if they were stopped so, too, deep piles would come to rest later.
@@ -20,7 +21,7 @@ const FLAT_UNDER_SLEEPER: f64 = 0.97;
 /// By so much of a ball's speed it may still go into what holds it: what rounding leaves in flat wedges.
 const ROUNDING: f64 = 1e-9;
 
-/// A pair that is held apart, of which one cannot be moved.
+/// A pair that is held apart, of which one cannot be moved: either, which may change while the list stands.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wedging {
     /// Its lower ball.
@@ -47,76 +48,79 @@ impl Stripe {
     }
 }
 
-/// Stops a ball between what these constraints, `its`, have carry it and what does not give way above it, among those that are
-/// `wedging`, if that is a flat wedge. Whether it is.
-#[inline]
+/// Stops a ball that these constraints, `its`, have others carry, if it lies in a flat wedge: what does not give way above it, among
+/// those that are `wedging`, faces one of them, or two of them face each other, and one does not give way. Whether it does.
+///
+/// Not inlined: few balls lie so.
+#[inline(never)]
 pub(super) fn stop_in_wedge(
+    setting: &Setting,
     ball: usize,
-    constraints: &mut [Constraint],
+    constraints: &[Constraint],
     bodies: &mut [Body],
     its: &[u32],
     wedging: &[Wedging],
     floors: &mut Vec<(Floor, f64)>,
 ) -> bool {
-    if wedging.is_empty() || bodies[ball].inverse_mass == 0.0 {
+    if bodies[ball].inverse_mass == 0.0 {
         return false;
     }
     let from = wedging.partition_point(|wedging| (wedging.lower as usize) < ball);
     let above = wedging[from..].iter().take_while(|wedging| wedging.lower as usize == ball);
+    let normal_of = |at: u32| constraints[at as usize].normal;
+    let is_firm = |body: u32| bodies[body as usize].inverse_mass == 0.0;
     floors.clear();
     floors.extend(above.filter_map(|&Wedging { at, flat, .. }| {
         let Constraint { pair, normal, least, .. } = constraints[at as usize];
-        let faces = || its.iter().any(|&at| constraints[at as usize].normal.dot(normal) > flat);
+        let faces = || its.iter().any(|&at| normal_of(at).dot(normal) > flat);
         // It may be the other one that cannot be moved.
-        let is_firm = bodies[pair.first as usize].inverse_mass == 0.0;
-        (is_firm && faces()).then(|| (Floor { up: -normal, least: least.min(0.0) }, 0.0))
+        (is_firm(pair.first) && faces()).then(|| (Floor { up: -normal, least: least.min(0.0) }, 0.0))
     }));
-    if floors.is_empty() {
+    let flat_below = || {
+        its.iter().enumerate().any(|(number, &one)| {
+            its[..number].iter().any(|&other| {
+                let firm = [one, other].iter().any(|&at| is_firm(constraints[at as usize].pair.second));
+                firm && normal_of(one).dot(normal_of(other)) < -FLAT_UNDER_SLEEPER
+            })
+        })
+    };
+    // Where none is fixed, sleepers below give way in time: piles would stand steeper.
+    if floors.is_empty() && !(setting.has_fixed && flat_below()) {
         return false;
     }
     floors.extend(its.iter().map(|&at| (Floor::under(constraints, bodies, at), 0.0)));
-    hold_between(bodies[ball].velocity, floors);
-    // Nothing is passed on to any constraint.
-    let by = floors.iter().map(|&(floor, added)| ((0, floor), added));
-    stop::<false>(ball, constraints, bodies, 0.0, by);
+    let body = &mut bodies[ball];
+    let change = held_between(body.velocity, floors) - body.velocity;
+    // Nothing is passed on to what it presses on.
+    body.velocity += change;
+    body.free += change;
     true
 }
 
-/// Finds how much each floor adds to a velocity, so that it sinks into none, by the least change. That is a projection onto a convex
-/// set: of what bounds it, one or two add anything. A velocity of 0 sinks into none, so it only ever becomes less.
-fn hold_between(velocity: DVec2, floors: &mut [(Floor, f64)]) {
+/// The velocity that is nearest to this one of those that sink into no floor. That is a projection onto a convex set, of which one or
+/// two floors bound what is nearest. A velocity of 0 sinks into none, so it only ever becomes less.
+fn held_between(velocity: DVec2, floors: &[(Floor, f64)]) -> DVec2 {
     let slack = ROUNDING * velocity.length();
-    let holds = |held: DVec2, floors: &[(Floor, f64)]| {
-        floors.iter().all(|(floor, _)| held.dot(floor.up) >= floor.least - slack)
-    };
-    if holds(velocity, floors) {
-        return;
+    let holds = |held: &DVec2| floors.iter().all(|(floor, _)| held.dot(floor.up) >= floor.least - slack);
+    if holds(&velocity) {
+        return velocity;
     }
-    let lacking = |floor: Floor| floor.least - velocity.dot(floor.up);
-    for one in 0..floors.len() {
-        let floor = floors[one].0;
-        let added = lacking(floor);
-        if added > 0.0 && holds(velocity + floor.up * added, floors) {
-            floors[one].1 = added;
-            return;
-        }
-    }
-    for one in 0..floors.len() {
-        for other in 0..one {
-            let (first, second) = (floors[one].0, floors[other].0);
-            let shared = first.up.dot(second.up);
-            // 0 where both have one direction, or face each other: there, each alone says all.
-            let sine = first.up.perp_dot(second.up);
-            let apart = sine * sine;
-            let added = [(first, second), (second, first)]
-                .map(|(this, that)| (lacking(this) - shared * lacking(that)) / apart);
-            let held = velocity + first.up * added[0] + second.up * added[1];
-            if added.iter().all(|&added| added >= 0.0) && holds(held, floors) {
-                (floors[one].1, floors[other].1) = (added[0], added[1]);
-                return;
-            }
-        }
-    }
+    let on_one = floors.iter().filter_map(|(floor, _)| {
+        let added = floor.least - velocity.dot(floor.up);
+        Some(velocity + floor.up * added).filter(|held| added > 0.0 && holds(held))
+    });
+    let on_two = floors.iter().enumerate().flat_map(|(number, (one, _))| {
+        floors[..number].iter().filter_map(move |(other, _)| {
+            let sine = one.up.perp_dot(other.up);
+            let held = (one.up.perp() * other.least - other.up.perp() * one.least) / sine;
+            // Both push, and neither pulls.
+            let change = held - velocity;
+            let pushes = [change.perp_dot(other.up), one.up.perp_dot(change)];
+            Some(held).filter(|_| pushes.iter().all(|push| push * sine >= 0.0))
+        })
+    });
+    // Where rounding leaves none of a very flat wedge, it is that which sinks into nothing.
+    on_one.chain(on_two.filter(holds)).next().unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -130,7 +134,7 @@ mod tests {
             let velocity = 100.0 * DVec2::from_angle(angle(7));
             let floor =
                 |k| Floor { up: DVec2::from_angle(angle(k)), least: -20.0 * angle(k + 3).sin().abs() };
-            let mut floors: Vec<_> = (1..2 + turn % 4).map(|k| (floor(k), 0.0)).collect();
+            let floors: Vec<_> = (1..2 + turn % 4).map(|k| (floor(k), 0.0)).collect();
             // Hildreth's way to the same (1957): slow, but by nothing else than one floor at a time.
             let mut slow = floors.clone();
             let mut expected = velocity;
@@ -141,9 +145,20 @@ mod tests {
                     expected += floor.up * more;
                 }
             }
-            hold_between(velocity, &mut floors);
-            let held: DVec2 = velocity + floors.iter().map(|(floor, added)| floor.up * *added).sum::<DVec2>();
+            let held = held_between(velocity, &floors);
             assert!(held.abs_diff_eq(expected, 1e-6), "turn {turn}: {held} and {expected}");
+        }
+    }
+
+    #[test]
+    fn what_goes_into_a_wedge_stands_still_in_it_however_flat_it_is() {
+        for flat in [0.3, 1e-2, 1e-4, 1e-7, 1e-10, 0.0] {
+            let ups = [DVec2::from_angle(0.35), DVec2::from_angle(0.35 + std::f64::consts::PI - flat)];
+            let floors = ups.map(|up| (Floor { up, least: 0.0 }, 0.0));
+            let into = -(ups[0] + ups[1]).normalize_or(ups[0].perp());
+            let held = held_between(3.0 * into, &floors);
+            assert!(flat < 1e-8 || held.length() < 1e-6, "{flat} rad: {held}");
+            assert!(floors.iter().all(|(floor, _)| held.dot(floor.up) > -1e-6), "{flat} rad: {held}");
         }
     }
 }
