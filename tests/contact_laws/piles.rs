@@ -163,7 +163,7 @@ fn a_pile_of_one_material_comes_to_rest_however_unlike_its_sizes() {
     }
 }
 
-/// Of a hundred, seven take longer, up to twenty seconds: a last ball rocks in a dip.
+/// Of a hundred, eight take longer, up to twenty seconds: a last ball rocks in a dip.
 #[test]
 fn piles_of_unlike_sizes_come_to_rest_soon_but_for_one_in_twelve() {
     let piles = (1..=12).map(|seed| pile_of_sizes(1200, [438, 246], [1, 6], seed, 8.0));

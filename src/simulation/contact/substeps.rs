@@ -186,6 +186,7 @@ impl Setting {
             kick: DVec2::ZERO,
             can_rest: can_rest(world, balls),
             has_fixed,
+            sleepers_wedge: !substeps.deep,
             grounded: has_fixed || world.walls.is_some(),
             common: DVec2::ZERO,
             firm: 0.0,

@@ -34,15 +34,19 @@ pub(super) struct Wedging {
 
 impl Stripe {
     /// Gathers such pairs in the order of their lower balls.
-    pub(super) fn gather_wedging(&mut self, rests: &[Rest]) {
+    pub(super) fn gather_wedging(&mut self, setting: &Setting, rests: &[Rest]) {
         let Self { pairs, places_of_constraints, marks, wedging, .. } = self;
         wedging.clear();
         let still = marks.iter().zip(pairs).zip(&*places_of_constraints);
         let still = still.filter(|((marks, _), _)| marks.touch() && marks.has(Marks::STILL));
-        wedging.extend(still.map(|((_, pair), &at)| {
-            let is_fixed = rests[pair.first as usize].own == 0.0;
-            let flat = if is_fixed { FLAT_UNDER_FIXED } else { FLAT_UNDER_SLEEPER };
-            Wedging { lower: pair.second, at, flat }
+        wedging.extend(still.filter_map(|((_, pair), &at)| {
+            let is_fixed = [pair.first, pair.second].map(|body| rests[body as usize].own == 0.0);
+            let flat = if is_fixed[0] { FLAT_UNDER_FIXED } else { FLAT_UNDER_SLEEPER };
+            (setting.sleepers_wedge || is_fixed.contains(&true)).then_some(Wedging {
+                lower: pair.second,
+                at,
+                flat,
+            })
         }));
         wedging.sort_unstable_by_key(|wedging| (wedging.lower, wedging.at));
     }
