@@ -116,8 +116,8 @@ struct Setting {
     can_rest: bool,
     /// Whether any ball is fixed.
     has_fixed: bool,
-    /// Whether what sleeps wedges others in, as fixed balls do (`wedges`). Deep piles come to rest later so.
-    sleepers_wedge: bool,
+    /// How flat a wedge under a ball asleep counts as flat, as a cosine (`wedges`); none in deep piles, which come to rest later so.
+    flat_under_sleeper: Option<f64>,
     /// Whether something may carry balls in this substep that falls with none of them: a fixed one, or a wall near any.
     grounded: bool,
     /// The velocity through the substep that all balls have in common, px/s, where nothing carries any: how fast they are

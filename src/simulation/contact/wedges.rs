@@ -17,7 +17,7 @@ use super::{Body, Setting};
 /// A wedge is flat where what is above faces what carries the ball to within an angle of this cosine: 30° under a fixed ball, 14° under
 /// one asleep. What others hold, sweeps find soon; if they were stopped so, too, deep piles would come to rest later.
 const FLAT_UNDER_FIXED: f64 = 0.87;
-const FLAT_UNDER_SLEEPER: f64 = 0.97;
+pub(super) const FLAT_UNDER_SLEEPER: f64 = 0.97;
 /// By so much of a ball's speed it may still go into what holds it: what rounding leaves in flat wedges.
 const ROUNDING: f64 = 1e-9;
 
@@ -40,13 +40,10 @@ impl Stripe {
         let still = marks.iter().zip(pairs).zip(&*places_of_constraints);
         let still = still.filter(|((marks, _), _)| marks.touch() && marks.has(Marks::STILL));
         wedging.extend(still.filter_map(|((_, pair), &at)| {
-            let is_fixed = [pair.first, pair.second].map(|body| rests[body as usize].own == 0.0);
-            let flat = if is_fixed[0] { FLAT_UNDER_FIXED } else { FLAT_UNDER_SLEEPER };
-            (setting.sleepers_wedge || is_fixed.contains(&true)).then_some(Wedging {
-                lower: pair.second,
-                at,
-                flat,
-            })
+            let [upper, lower] = [pair.first, pair.second].map(|body| rests[body as usize].own == 0.0);
+            // Nothing wedges in a fixed ball, but what lies on one may face another.
+            let flat = if upper || lower { Some(FLAT_UNDER_FIXED) } else { setting.flat_under_sleeper };
+            flat.map(|flat| Wedging { lower: pair.second, at, flat })
         }));
         wedging.sort_unstable_by_key(|wedging| (wedging.lower, wedging.at));
     }
