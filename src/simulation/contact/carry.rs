@@ -24,21 +24,38 @@ impl Contact {
     /// Whether what stops balls on what carries them is passed on to that. Where it is not, the part of a load that the sweeps
     /// miss is borne by nothing, sideways, too, which holds up slopes. That is left so in longer substeps, where little moves:
     /// it comes to rest. Where all balls are few, the sweeps miss nothing.
-    pub(super) fn passes_on(&self) -> bool {
+    fn passes_on(&self) -> bool {
         self.bodies.len() > FEW && self.substeps.are_short()
+    }
+
+    /// The pass in which what still sinks stops on what carries it. Where some of it is wedged in across the edges of stripes, all of
+    /// it is done at once, and nothing is left of the pass.
+    pub(super) fn carry(&mut self) -> Pass<'static> {
+        if self.setting.kick == DVec2::ZERO || !self.setting.grounded {
+            // Stopped on what falls as it does, a ball would slow down all of them.
+            return Pass::NOTHING;
+        }
+        let pass = if self.passes_on() { Pass::CARRY_AND_PASS_ON } else { Pass::CARRY };
+        let across = self.wedged_across();
+        if across.is_empty() {
+            return pass;
+        }
+        self.sweep(&[pass]);
+        self.stop_wedged(&across);
+        Pass::NOTHING
     }
 }
 
 impl Pass<'_> {
     /// Stops what still sinks on what carries it (shock propagation). Not without gravity: nothing lies on anything.
-    pub(super) const CARRY: Self = Self {
+    const CARRY: Self = Self {
         layers: Layer::AROUND,
         only_busy: true,
         work: &|setting, stripe, share| stripe.carry_all::<false>(setting, share.bodies),
     };
 
     /// The same, where what stops a ball acts on what carries it in the next substep.
-    pub(super) const CARRY_AND_PASS_ON: Self = Self {
+    const CARRY_AND_PASS_ON: Self = Self {
         layers: Layer::AROUND,
         only_busy: true,
         work: &|setting, stripe, share| stripe.carry_all::<true>(setting, share.bodies),
@@ -61,14 +78,14 @@ impl Stripe {
         setting: &Setting,
         bodies: &mut [Body],
     ) {
-        let Self { constraints, carrying, uppers, wedging, floors, .. } = self;
+        let Self { constraints, carrying, uppers, wedging, wedge, floors, .. } = self;
         let (constraints, carrying) = (&mut constraints[..], &carrying[..]);
         let most = PASSED_ON * setting.kick.length();
         for ends in uppers.windows(2) {
             let its = &carrying[ends[0] as usize..ends[1] as usize];
             let Some(&first) = its.first() else { continue };
             let upper = constraints[first as usize].pair.first as usize;
-            if WEDGES && stop_in_wedge(setting, upper, constraints, bodies, its, wedging, floors) {
+            if WEDGES && stop_in_wedge(setting, upper, constraints, bodies, its, wedging, wedge) {
                 continue;
             }
             match *its {

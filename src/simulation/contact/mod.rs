@@ -254,14 +254,7 @@ impl Contact {
             let presses = self.setting.kick != DVec2::ZERO;
             let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
             let passes = [
-                if !presses || !self.setting.grounded {
-                    // Stopped on what falls as it does, a ball would slow down all of them.
-                    Pass::NOTHING
-                } else if self.passes_on() {
-                    Pass::CARRY_AND_PASS_ON
-                } else {
-                    Pass::CARRY
-                },
+                self.carry(),
                 if presses && shaken { Pass::HOLD_AGAIN } else { Pass::NOTHING },
                 Pass::TRAVEL,
                 Pass::RELAX,
@@ -381,7 +374,7 @@ impl Contact {
 
 impl Pass<'_> {
     /// Does nothing.
-    const NOTHING: Self = Self { layers: &[], only_busy: true, work: &|_, _, _| () };
+    pub(super) const NOTHING: Self = Self { layers: &[], only_busy: true, work: &|_, _, _| () };
 
     /// Takes from balls what held them: pairs that are not near any more hold nothing.
     const LET_GO: Self = Self {
