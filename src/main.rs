@@ -23,15 +23,10 @@ use thiserror::Error;
 use crate::cli::{Cli, Command, RunArgs, SceneArgs, WindowArgs};
 
 fn main() -> ExitCode {
-    let cli = Cli::of_this_call();
-    #[cfg(unix)]
-    signals::watch();
-    let done = match cli.command {
-        None => open_window(&cli.window),
-        Some(Command::Run(args)) => run(*args),
-        Some(Command::Report(args)) => write_report(args),
-        Some(Command::Scenes { json }) => list_scenes(json),
-        Some(Command::Scene { scene }) => print_scene(&scene),
+    let done = match Cli::of_this_call() {
+        Ok(cli) => follow(cli),
+        Err(refusal) if refusal.use_stderr() => refusal.exit(),
+        Err(help) => print_help(&help),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -41,6 +36,19 @@ fn main() -> ExitCode {
             let _ = writeln!(io::stderr(), "carom: {failure}");
             failure.exit_code()
         }
+    }
+}
+
+/// Does what the program was called for.
+fn follow(cli: Cli) -> Result<(), Failure> {
+    #[cfg(unix)]
+    signals::watch();
+    match cli.command {
+        None => open_window(&cli.window),
+        Some(Command::Run(args)) => run(*args),
+        Some(Command::Report(args)) => write_report(args),
+        Some(Command::Scenes { json }) => list_scenes(json),
+        Some(Command::Scene { scene }) => print_scene(&scene),
     }
 }
 
@@ -214,6 +222,12 @@ fn table(list: &[carom::scene::Listing]) -> String {
 
 fn print_scene(name: &str) -> Result<(), Failure> {
     Ok(write_stdout(Scene::load(name)?.source())?)
+}
+
+/// Prints help or the version, in the colours of a terminal where there is one.
+fn print_help(help: &clap::Error) -> Result<(), Failure> {
+    help.print()?;
+    Ok(io::stdout().flush()?)
 }
 
 fn write_stdout(text: &str) -> io::Result<()> {

@@ -217,6 +217,9 @@ fn a_report_into_a_file_is_an_error_that_names_it() {
 fn whatever_prints_says_so_where_standard_output_is_full() {
     let here = folder();
     for args in [
+        "--help",
+        "--version",
+        "run --help",
         "scenes",
         "scenes --json",
         "scene galton",
@@ -240,6 +243,8 @@ fn whatever_prints_says_so_where_standard_output_is_full() {
 fn whatever_prints_ends_quietly_where_nobody_reads() {
     let here = folder();
     for args in [
+        "--help",
+        "--version",
         "scenes",
         "scene galton",
         "run draw --seconds 0",
