@@ -27,6 +27,8 @@ use patience::Patience;
 pub(crate) use progress::Progress;
 pub use summary::Summary;
 use summary::Watched;
+#[cfg(feature = "report")]
+pub(crate) use unfinished::MadeFolders;
 #[cfg(feature = "window")]
 pub(crate) use unfinished::Unfinished;
 pub use unfinished::discard_unfinished;

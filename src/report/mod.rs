@@ -53,7 +53,6 @@ mod setting;
 mod stability;
 mod timing;
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -65,7 +64,7 @@ use problems::{Problem, Unposed};
 use progress::Progress;
 use timing::Effort;
 
-use crate::headless::{Output, OutputError};
+use crate::headless::{MadeFolders, Output, OutputError};
 
 /// What to report, and where.
 #[derive(Debug, Clone)]
@@ -150,7 +149,7 @@ pub fn cell(name: &str, quick: bool) -> Result<String, ReportError> {
 /// [`ReportError`]; what failed in a solver is no error, but stands in the report.
 pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
     let wanted = Wanted::new(options.only.as_deref())?;
-    fs::create_dir_all(&options.folder)
+    let _made = MadeFolders::make(&options.folder)
         .map_err(|source| ReportError::Folder { folder: options.folder.clone(), source })?;
     // Opened before what takes minutes, so that a folder that may not be written to is known at once.
     let page = options.folder.join("report.md");
