@@ -41,14 +41,14 @@ fn main() -> ExitCode {
 
 /// Does what the program was called for.
 fn follow(cli: Cli) -> Result<(), Failure> {
+    let Some(command) = cli.command else { return open_window(&cli.window) };
     #[cfg(unix)]
-    signals::watch();
-    match cli.command {
-        None => open_window(&cli.window),
-        Some(Command::Run(args)) => run(*args),
-        Some(Command::Report(args)) => write_report(args),
-        Some(Command::Scenes { json }) => list_scenes(json),
-        Some(Command::Scene { scene }) => print_scene(&scene),
+    signals::watch(|| {});
+    match command {
+        Command::Run(args) => run(*args),
+        Command::Report(args) => write_report(args),
+        Command::Scenes { json } => list_scenes(json),
+        Command::Scene { scene } => print_scene(&scene),
     }
 }
 
@@ -129,6 +129,16 @@ fn load(name: &str, start: &SceneArgs) -> Result<Scene, Failure> {
 #[cfg(feature = "window")]
 fn open_window(args: &WindowArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &args.start)?;
+    let timings = args.timings.then(carom::window::Timings::default);
+    #[cfg(unix)]
+    {
+        let timings = timings.clone();
+        signals::watch(move || {
+            if let Some(timings) = timings {
+                let _ = writeln!(io::stderr(), "{timings}");
+            }
+        });
+    }
     panics::watch();
     let options = carom::window::Options {
         fullscreen: args.fullscreen,
@@ -137,7 +147,7 @@ fn open_window(args: &WindowArgs) -> Result<(), Failure> {
         vsync: !args.no_vsync,
         watch: args.watch,
         quiet: args.quiet,
-        timings: args.timings,
+        timings,
         seed: args.start.seed,
     };
     Ok(carom::window::open(&scene, &options)?)

@@ -12,7 +12,7 @@ const OPTIONS: Options = Options {
     paused: false,
     time_scale: 1.0,
     vsync: false,
-    timings: false,
+    timings: None,
     watch: false,
     quiet: false,
     seed: None,
