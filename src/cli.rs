@@ -44,24 +44,26 @@ pub struct Cli {
 }
 
 impl Cli {
-    /// What the program was called with; where that makes no sense, it ends here, and says why.
-    pub fn of_this_call() -> Self {
+    /// What the program was called with.
+    ///
+    /// # Errors
+    /// What is to be said instead of running: help or the version where it was asked for, or why the call makes no sense.
+    pub fn of_this_call() -> Result<Self, clap::Error> {
         let words: Vec<_> = env::args_os().collect();
-        let refuse = |message| -> Self { Self::command().error(ErrorKind::UnknownArgument, message).exit() };
+        let refused = |message| Self::command().error(ErrorKind::UnknownArgument, message);
         match Self::try_parse_from(&words) {
             Ok(Self { command: None, window }) if commands().any(|name| name == window.scene) => {
-                refuse(comes_first(&window.scene))
+                Err(refused(comes_first(&window.scene)))
             }
-            Ok(call) => call,
             Err(error) if error.kind() == ErrorKind::ArgumentConflict => {
                 // With a scene of its own, the program takes what comes behind it for a command that does not go with that.
                 let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
-                    error.exit()
+                    return Err(error);
                 };
                 let words: Vec<_> = words.iter().map(|word| word.to_string_lossy()).collect();
-                refuse(misplaced(word, &words))
+                Err(refused(misplaced(word, &words)))
             }
-            Err(error) => error.exit(),
+            call => call,
         }
     }
 }

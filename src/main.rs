@@ -23,15 +23,10 @@ use thiserror::Error;
 use crate::cli::{Cli, Command, RunArgs, SceneArgs, WindowArgs};
 
 fn main() -> ExitCode {
-    let cli = Cli::of_this_call();
-    #[cfg(unix)]
-    signals::watch();
-    let done = match cli.command {
-        None => open_window(&cli.window),
-        Some(Command::Run(args)) => run(*args),
-        Some(Command::Report(args)) => write_report(args),
-        Some(Command::Scenes { json }) => list_scenes(json),
-        Some(Command::Scene { scene }) => print_scene(&scene),
+    let done = match Cli::of_this_call() {
+        Ok(cli) => follow(cli),
+        Err(refusal) if refusal.use_stderr() => refusal.exit(),
+        Err(help) => print_help(&help),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -41,6 +36,19 @@ fn main() -> ExitCode {
             let _ = writeln!(io::stderr(), "carom: {failure}");
             failure.exit_code()
         }
+    }
+}
+
+/// Does what the program was called for.
+fn follow(cli: Cli) -> Result<(), Failure> {
+    let Some(command) = cli.command else { return open_window(&cli.window) };
+    #[cfg(unix)]
+    signals::watch(|| {});
+    match command {
+        Command::Run(args) => run(*args),
+        Command::Report(args) => write_report(args),
+        Command::Scenes { json } => list_scenes(json),
+        Command::Scene { scene } => print_scene(&scene),
     }
 }
 
@@ -121,6 +129,16 @@ fn load(name: &str, start: &SceneArgs) -> Result<Scene, Failure> {
 #[cfg(feature = "window")]
 fn open_window(args: &WindowArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &args.start)?;
+    let timings = args.timings.then(carom::window::Timings::default);
+    #[cfg(unix)]
+    {
+        let timings = timings.clone();
+        signals::watch(move || {
+            if let Some(timings) = timings {
+                let _ = writeln!(io::stderr(), "{timings}");
+            }
+        });
+    }
     panics::watch();
     let options = carom::window::Options {
         fullscreen: args.fullscreen,
@@ -129,7 +147,7 @@ fn open_window(args: &WindowArgs) -> Result<(), Failure> {
         vsync: !args.no_vsync,
         watch: args.watch,
         quiet: args.quiet,
-        timings: args.timings,
+        timings,
         seed: args.start.seed,
     };
     Ok(carom::window::open(&scene, &options)?)
@@ -214,6 +232,12 @@ fn table(list: &[carom::scene::Listing]) -> String {
 
 fn print_scene(name: &str) -> Result<(), Failure> {
     Ok(write_stdout(Scene::load(name)?.source())?)
+}
+
+/// Prints help or the version, in the colours of a terminal where there is one.
+fn print_help(help: &clap::Error) -> Result<(), Failure> {
+    help.print()?;
+    Ok(io::stdout().flush()?)
 }
 
 fn write_stdout(text: &str) -> io::Result<()> {

@@ -7,9 +7,9 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 
-/// From now on, a signal that ends the program removes its unfinished outputs first, and then ends it as ever: whoever
-/// waits for it sees which signal it was, and a shell's script stops as it should.
-pub fn watch() {
+/// From now on, a signal that ends the program removes its unfinished outputs first, lets `last_words` be said, and then
+/// ends it as ever: whoever waits for it sees which signal it was, and a shell's script stops as it should.
+pub fn watch(last_words: impl FnOnce() + Send + 'static) {
     let ignored = ignored();
     let watched = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored & (1 << (signal - 1)) == 0);
     // Where signals cannot be watched, they end the program as they always did.
@@ -17,6 +17,7 @@ pub fn watch() {
     thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
             discard_unfinished();
+            last_words();
             let _ = emulate_default_handler(signal);
         }
     });

@@ -49,12 +49,18 @@ fn begin(here: &Path, before: &str) -> Child {
 fn begin_call(here: &Path, before: &str, args: &str, outputs: usize) -> Child {
     let script = format!("{before}; exec \"$0\" {args}");
     let child = Command::new("sh").args(["-c", &script, CAROM]).current_dir(here).spawn().unwrap();
+    wait_for_outputs(here, outputs);
+    child
+}
+
+/// Waits until so many outputs are begun in a folder.
+fn wait_for_outputs(folder: &Path, outputs: usize) {
     let begun = Instant::now();
-    while names(here).iter().filter(|name| name.starts_with(".carom-")).count() < outputs {
-        assert!(begun.elapsed() < Duration::from_secs(60), "no outputs were begun: {:?}", names(here));
+    let is_output = |name: &String| name.starts_with(".carom-");
+    while !folder.exists() || names(folder).into_iter().filter(is_output).count() < outputs {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no outputs were begun in {}", folder.display());
         thread::sleep(Duration::from_millis(5));
     }
-    child
 }
 
 fn send(child: &Child, signal: &str) {
@@ -94,6 +100,32 @@ fn a_signal_ends_a_report_and_leaves_nothing_half_written() {
     send(&child, name);
     assert_eq!(child.wait().unwrap().signal(), Some(number));
     assert!(names(here.path()).is_empty(), "{:?}", names(here.path()));
+}
+
+#[cfg(feature = "report")]
+#[test]
+fn a_report_that_ends_before_it_is_written_leaves_no_folder_that_it_made_and_every_other() {
+    let here = folder();
+    let (name, number) = if is_ignored(2) { ("TERM", 15) } else { ("INT", 2) };
+    for (out, left) in [("new", &[][..]), ("new/and/deep", &[]), ("mine", &["mine"]), ("mine/new", &["mine"])]
+    {
+        if !left.is_empty() && !here.path().join("mine").exists() {
+            fs::create_dir(here.path().join("mine")).unwrap();
+        }
+        let mut command = Command::new(CAROM);
+        let mut child = command.args(["report", "--out", out]).current_dir(here.path()).spawn().unwrap();
+        wait_for_outputs(&here.path().join(out), 1);
+        send(&child, name);
+        assert_eq!(child.wait().unwrap().signal(), Some(number));
+        assert_eq!(names(here.path()), left, "after a report to {out}");
+    }
+    assert!(names(&here.path().join("mine")).is_empty());
+    // Nor does one that fails.
+    fs::write(here.path().join("mine/file"), "").unwrap();
+    let failed =
+        Command::new(CAROM).args(["report", "--out", "mine/file/deep"]).current_dir(here.path()).output();
+    assert_fails(&failed.unwrap(), "mine/file/deep: Not a directory");
+    assert_eq!(names(&here.path().join("mine")), ["file"]);
 }
 
 #[cfg(target_os = "linux")]
@@ -217,6 +249,9 @@ fn a_report_into_a_file_is_an_error_that_names_it() {
 fn whatever_prints_says_so_where_standard_output_is_full() {
     let here = folder();
     for args in [
+        "--help",
+        "--version",
+        "run --help",
         "scenes",
         "scenes --json",
         "scene galton",
@@ -240,6 +275,8 @@ fn whatever_prints_says_so_where_standard_output_is_full() {
 fn whatever_prints_ends_quietly_where_nobody_reads() {
     let here = folder();
     for args in [
+        "--help",
+        "--version",
         "scenes",
         "scene galton",
         "run draw --seconds 0",

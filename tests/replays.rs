@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use carom::{Change, Scene, Session};
+use serde_json::Value;
 
 fn run(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_carom")).arg("run").args(args).output().unwrap()
@@ -58,6 +59,50 @@ fn a_replay_that_is_none_or_of_another_scene_is_refused() {
     refused(&["elastic", "--commands", &path, "--seconds", "3"], "cannot be used with");
     std::fs::write(&path, b"carom replay 1\nframe \xff\n").unwrap();
     refused(&["elastic", "--commands", &path], "UTF-8");
+}
+
+#[test]
+fn a_reset_in_a_replay_ends_no_count_of_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let frames = "frame 0.1\n".repeat(20);
+    let play = |name: &str, commands: &str| {
+        let (replay, json) = (path("a.replay"), path("a.json"));
+        std::fs::write(&replay, format!("carom replay 1\nscene gravity\n{commands}")).unwrap();
+        let (gif, trace) = (path(&format!("{name}.gif")), path(&format!("{name}.csv")));
+        let call = ["gravity", "--commands", &replay, "--summary", &json, "--gif", &gif, "--trace", &trace];
+        assert!(run(&call).status.success());
+        let summary: Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
+        let times = std::fs::read_to_string(&trace).unwrap();
+        let times = times.lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse().unwrap());
+        (summary, times.collect::<Vec<f64>>(), shown(&gif))
+    };
+    let (once, _, once_shown) = play("once", &frames);
+    for reset in ["reset", "reseed 5"] {
+        let (twice, times, shown) = play("twice", &format!("{frames}{reset}\n{frames}"));
+        for key in ["frames", "collisions", "wall_hits"] {
+            let counts = [&once, &twice].map(|summary| summary[key].as_u64().unwrap());
+            assert!(counts[0] > 0 && counts[1] == 2 * counts[0], "{key}: {counts:?}");
+        }
+        let seconds = twice["seconds"].as_f64().unwrap();
+        assert!((seconds - 4.0).abs() < 1e-9, "{seconds}");
+        assert_eq!(twice["kinetic_energy"], once["kinetic_energy"]);
+        assert!(
+            times.is_sorted() && times.last() == Some(&seconds),
+            "the trace's times are those of the run"
+        );
+        assert_eq!(shown, once_shown + 200, "nor does the picture stand still after it");
+    }
+}
+
+/// How long a GIF lasts, in hundredths of a second.
+fn shown(gif: &str) -> u32 {
+    let mut decoder = gif::DecodeOptions::new().read_info(std::fs::File::open(gif).unwrap()).unwrap();
+    let mut shown = 0;
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        shown += u32::from(frame.delay);
+    }
+    shown
 }
 
 #[test]

@@ -59,6 +59,27 @@ fn one_case_alone_has_a_cell_for_each_solver() {
 }
 
 #[test]
+fn files_of_another_report_in_its_folder_are_told_and_left() {
+    let here = tempfile::tempdir().unwrap();
+    let read = |name: &str| fs::read(here.path().join("report").join(name)).unwrap();
+    let page = || String::from_utf8(read("report.md")).unwrap();
+    let (first, second) = (&["--quick", "--only", "free-flight"][..], &["--quick", "--only", "struck"][..]);
+    let first = report(&here, first);
+    assert_eq!((text(&first.stderr), page().contains("another report")), ("", false));
+    fs::write(here.path().join("report/mine.png"), "mine").unwrap();
+    let before = [read("closed-run.png"), read("points.csv")];
+    let second = report(&here, second);
+    let told = "closed-end.png, closed-end.svg, closed-run.png, closed-run.svg";
+    let told_of = "carom: report still has files of another report, not of this one";
+    assert_eq!(text(&second.stderr), format!("{told_of}: {told}\n"));
+    assert_eq!(text(&second.stdout).trim(), "report/report.md");
+    assert!(page().contains(&format!("not of this one: `{}`.", told.replace(", ", "`, `"))), "{}", page());
+    assert!(
+        read("closed-run.png") == before[0] && read("points.csv") != before[1] && read("mine.png") == b"mine"
+    );
+}
+
+#[test]
 fn a_name_that_is_not_there_is_refused_with_those_that_are() {
     let here = tempfile::tempdir().unwrap();
     for args in [&["--only", "nonsense"][..], &["--cell", "nonsense/exact"], &["--cell", "corner/nonsense"]] {

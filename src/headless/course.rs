@@ -2,7 +2,7 @@
 
 use super::frames::Frames;
 use crate::scene::{Rain, Scene, SceneError};
-use crate::session::{Refused, Replay};
+use crate::session::{Played, Refused, Replay};
 use crate::simulation::{Simulation, Solver};
 
 /// What moves in a run, and by which frames.
@@ -45,6 +45,14 @@ impl<'a> Player<'a> {
         match self {
             Self::Frames { simulation, .. } => simulation,
             Self::Replay(replay) => replay.simulation(),
+        }
+    }
+
+    /// What was played since the run's start, whatever a replay reset.
+    pub(super) fn played(&self) -> Played {
+        match self {
+            Self::Frames { simulation, .. } => Played::default().and(simulation),
+            Self::Replay(replay) => replay.played(),
         }
     }
 

@@ -27,6 +27,8 @@ use patience::Patience;
 pub(crate) use progress::Progress;
 pub use summary::Summary;
 use summary::Watched;
+#[cfg(feature = "report")]
+pub(crate) use unfinished::MadeFolders;
 #[cfg(feature = "window")]
 pub(crate) use unfinished::Unfinished;
 pub use unfinished::discard_unfinished;
@@ -180,7 +182,7 @@ fn run_by(
         watched.max_overlap = watched.max_overlap.max(max_overlap(&mut grid, simulation.balls()));
         let at_walls = max_wall_overlap(simulation.world(), simulation.balls());
         watched.max_wall_overlap = watched.max_wall_overlap.max(at_walls);
-        outputs.add(run, frame + 1, simulation)?;
+        outputs.add(run, frame + 1, player.played().seconds, simulation)?;
         progress.show(frame + 1, "");
     }
     drop(progress);
@@ -189,6 +191,7 @@ fn run_by(
         // Standard error may be gone; the results are not there.
         let _ = writeln!(io::stderr(), "carom: {refused}");
     }
+    watched.played = player.played();
     let summary = Summary::new(run.course.scene().name(), player.simulation(), &watched, player.fed());
     outputs.finish(player.simulation(), &summary)?;
     Ok(summary)

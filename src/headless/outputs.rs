@@ -60,10 +60,15 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Writes what a frame, from 1, adds.
-    pub(super) fn add(&mut self, run: &Run, frame: u64, simulation: &Simulation) -> Result<(), RunError> {
+    /// Writes what a frame, from 1, adds, which ends at `time` seconds since the run's start.
+    pub(super) fn add(
+        &mut self,
+        run: &Run,
+        frame: u64,
+        time: f64,
+        simulation: &Simulation,
+    ) -> Result<(), RunError> {
         if frame == 1 || frame.is_multiple_of(run.every.max(1)) {
-            let time = simulation.time();
             self.write_trace(|trace| {
                 let states = simulation.balls().iter().zip(simulation.touching()).enumerate();
                 for (index, (ball, &touching)) in states {
@@ -75,7 +80,7 @@ impl Outputs {
         }
         if let (Some((animation, path)), Some(canvas)) = (&mut self.gif, &mut self.canvas) {
             self.painter.repaint(simulation, 1.0, &mut canvas.as_mut());
-            let added = animation.add(simulation.time(), canvas);
+            let added = animation.add(time, canvas);
             added.map_err(|source| RunError::of_animation(path, source))?;
         }
         Ok(())
@@ -98,7 +103,7 @@ impl Outputs {
         let Self { trace, image, gif, summary: json, canvas, mut painter, stdout_taken } = self;
         let traced = trace.map_or(Ok(()), Output::finish);
         let animated: Result<(), RunError> = gif.map_or(Ok(()), |(animation, path)| {
-            let finished = animation.finish(simulation.time());
+            let finished = animation.finish(summary.seconds);
             Ok(finished.map_err(|source| RunError::of_animation(&path, source))?.finish()?)
         });
         let painted = image.zip(canvas).map_or(Ok(()), |(image, mut canvas)| {

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::session::Played;
 use crate::simulation::Simulation;
 use crate::simulation::invariants::{kinetic_energy, momentum, non_finite, potential_energy};
 
@@ -18,15 +19,15 @@ pub struct Summary {
     pub balls: usize,
     /// How many frames were run.
     pub frames: u64,
-    /// The simulated time, s.
+    /// The simulated time since the start, whatever a replay resets, s.
     pub seconds: f64,
     /// The time that `advance` took in all, s.
     pub wall_seconds: f64,
     /// The same per ball and frame, ns.
     pub ns_per_ball_frame: f64,
-    /// Impacts between balls.
+    /// Impacts between balls since then.
     pub collisions: u64,
-    /// Impacts on walls.
+    /// Impacts on walls since then.
     pub wall_hits: u64,
     /// Kinetic energy at the end.
     pub kinetic_energy: f64,
@@ -50,6 +51,8 @@ pub struct Summary {
 /// What is watched while a run goes on; the fields are those of [`Summary`].
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Watched {
+    /// Seconds, collisions and wall hits.
+    pub(super) played: Played,
     pub(super) energy_start: f64,
     pub(super) frames: u64,
     pub(super) wall_seconds: f64,
@@ -66,17 +69,17 @@ impl Summary {
     ) -> Self {
         let balls = simulation.balls();
         let ball_frames = balls.len().max(1) as f64 * watched.frames.max(1) as f64;
-        let tally = simulation.tally();
+        let Played { seconds, impacts, wall_hits } = watched.played;
         Self {
             scene: scene.to_owned(),
             solver: simulation.solver().name(),
             balls: balls.len(),
             frames: watched.frames,
-            seconds: simulation.time(),
+            seconds,
             wall_seconds: watched.wall_seconds,
             ns_per_ball_frame: watched.wall_seconds * 1e9 / ball_frames,
-            collisions: tally.impacts,
-            wall_hits: tally.wall_hits,
+            collisions: impacts,
+            wall_hits,
             kinetic_energy: kinetic_energy(balls),
             potential_energy: potential_energy(simulation.world(), balls),
             energy_start: watched.energy_start,

@@ -1,7 +1,7 @@
 //! Files that are being written, each under a temporary name beside its place until it is whole.
 //!
-//! What is dropped before is removed. A program that is told to end by a signal drops nothing, so all of them stand in
-//! one list, and [`discard_unfinished`] removes what is there. Only what ends a program without a word (SIGKILL, a
+//! What is dropped before is removed, with the folders that were made for it. A program that is told to end by a signal
+//! drops nothing, so all of them stand in one list, and [`discard_unfinished`] removes what is there. Only what ends a program without a word (SIGKILL, a
 //! power failure) leaves such a file: its name begins with `.carom-`, and it may be deleted.
 
 use std::fs;
@@ -12,23 +12,56 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
-/// The temporary names of all that are being written.
+/// The temporary names of all that are being written, each behind the folders that were made for it.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes every output file that is not whole yet, for a program that ends at once: none can be begun or put into its
+/// Removes every output file that is not whole yet, and the folders made for them that are empty then, for a program that ends at once: none can be begun or put into its
 /// place from now on, and whoever tries waits for the end.
 pub fn discard_unfinished() {
     let unfinished = unfinished();
-    for path in &*unfinished {
+    for path in unfinished.iter().rev() {
         // One that cannot be removed stays; there is nobody left to tell.
-        let _ = fs::remove_file(path);
+        let _ = if path.is_dir() { fs::remove_dir(path) } else { fs::remove_file(path) };
     }
     // Never unlocked.
     mem::forget(unfinished);
+}
+
+/// Folders that were made for files to come. Dropped, those of them that are empty are removed.
+#[cfg(feature = "report")]
+#[derive(Debug)]
+pub(crate) struct MadeFolders(Vec<PathBuf>);
+
+#[cfg(feature = "report")]
+impl MadeFolders {
+    /// Makes a folder, and those around it, where there are none.
+    pub(crate) fn make(folder: &Path) -> io::Result<Self> {
+        let missing =
+            folder.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+        let mut made: Vec<PathBuf> = missing.map(Path::to_owned).collect();
+        made.reverse();
+        let mut unfinished = unfinished();
+        unfinished.extend_from_slice(&made);
+        let (made, done) = (Self(made), fs::create_dir_all(folder));
+        drop(unfinished);
+        done.map(|()| made)
+    }
+}
+
+#[cfg(feature = "report")]
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        let mut unfinished = unfinished();
+        for folder in self.0.iter().rev() {
+            // One that has something in it stays.
+            let _ = fs::remove_dir(folder);
+        }
+        unfinished.retain(|path| !self.0.contains(path));
+    }
 }
 
 /// A file that is not in its place yet. Dropped, it is removed.

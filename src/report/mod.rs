@@ -53,8 +53,7 @@ mod setting;
 mod stability;
 mod timing;
 
-use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -65,7 +64,7 @@ use problems::{Problem, Unposed};
 use progress::Progress;
 use timing::Effort;
 
-use crate::headless::{Output, OutputError};
+use crate::headless::{MadeFolders, Output, OutputError};
 
 /// What to report, and where.
 #[derive(Debug, Clone)]
@@ -150,7 +149,7 @@ pub fn cell(name: &str, quick: bool) -> Result<String, ReportError> {
 /// [`ReportError`]; what failed in a solver is no error, but stands in the report.
 pub fn write(options: &Options) -> Result<PathBuf, ReportError> {
     let wanted = Wanted::new(options.only.as_deref())?;
-    fs::create_dir_all(&options.folder)
+    let _made = MadeFolders::make(&options.folder)
         .map_err(|source| ReportError::Folder { folder: options.folder.clone(), source })?;
     // Opened before what takes minutes, so that a folder that may not be written to is known at once.
     let page = options.folder.join("report.md");
@@ -248,13 +247,38 @@ impl<'a> Wanted<'a> {
     }
 }
 
+/// The names of all figures, and of all tables.
+const FIGURES: [&str; 9] = [
+    "main",
+    "closed-end",
+    "closed-run",
+    "referenced-end",
+    "referenced-run",
+    "growth",
+    "gas",
+    "pile",
+    "parts",
+];
+const TABLES: [&str; 6] = ["points", "growth", "gas", "pile", "stability", "parts"];
+
+/// The files that a report writes beside its page which are in this folder and not among those of these sections.
+fn left(folder: &Path, sections: &[Section]) -> Vec<String> {
+    let figures = FIGURES.iter().flat_map(|name| [format!("{name}.png"), format!("{name}.svg")]);
+    let all: Vec<String> = figures.chain(TABLES.iter().map(|name| format!("{name}.csv"))).collect();
+    let written: Vec<&String> =
+        sections.iter().flat_map(|section| &section.files).map(|(name, _)| name).collect();
+    debug_assert!(written.iter().all(|name| all.contains(name)), "{written:?}");
+    all.into_iter().filter(|name| !written.contains(&name) && folder.join(name).exists()).collect()
+}
+
 /// Writes the page, which was opened before at its path, and the files beside it.
 fn write_all(
     options: &Options,
     sections: &[Section],
     (page, path): (Output, PathBuf),
 ) -> Result<PathBuf, ReportError> {
-    let mut text = introduction(options, sections);
+    let left = left(&options.folder, sections);
+    let mut text = introduction(options, sections, &left);
     for section in sections {
         text += &section.text;
         for (name, content) in &section.files {
@@ -269,10 +293,20 @@ fn write_all(
     let (name, content) = machine.file("machine.csv");
     Output::create(&options.folder.join(name))?.complete(&content)?;
     page.complete(text.as_bytes())?;
+    if !left.is_empty() {
+        // Standard error may be gone; the page says it, too.
+        let _ = writeln!(
+            io::stderr(),
+            "carom: {} still has files of another report, not of this one: {}",
+            options.folder.display(),
+            left.join(", ")
+        );
+    }
     Ok(path)
 }
 
-fn introduction(options: &Options, sections: &[Section]) -> String {
+/// What stands first; `left` are the files of another report in its folder.
+fn introduction(options: &Options, sections: &[Section], left: &[String]) -> String {
     let mut section = Section::default();
     section.say("# Which solver to trust, for what, and at what cost");
     section.say("Written by `carom report`. Numbers here are rounded; the CSV files beside this page have them whole.");
@@ -284,6 +318,12 @@ fn introduction(options: &Options, sections: &[Section]) -> String {
         if options.quick { "quick: every second setting, few runs, little patience" } else { "full" };
     table.row(vec!["report".to_owned(), settings.to_owned()]);
     section.say(table.markdown());
+    if !left.is_empty() {
+        section.say(format!(
+            "These files in this folder are of another report, not of this one: `{}`.",
+            left.join("`, `")
+        ));
+    }
     let sentences: Vec<String> = sections
         .iter()
         .flat_map(|section| &section.in_short)

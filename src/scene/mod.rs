@@ -303,9 +303,14 @@ pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
         .map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?
         .ok_or_else(|| SceneError::TooLong { path: path.to_owned(), most: LONGEST_FILE })?;
     String::from_utf8(bytes).map_err(|error| {
+        let origin = path.display().to_string();
+        if is_utf_16(error.as_bytes()) {
+            let message = "this is UTF-16; save the file as UTF-8";
+            return SceneError::Wrong(Fault::at(&origin, "", None, message));
+        }
         let (text, valid) = (String::from_utf8_lossy(error.as_bytes()), error.utf8_error().valid_up_to());
         let message = "this is not UTF-8; save the file in that encoding";
-        SceneError::Wrong(Fault::at(&path.display().to_string(), &text, Some(valid), message))
+        SceneError::Wrong(Fault::at(&origin, &text, Some(valid), message))
     })
 }
 
@@ -315,8 +320,18 @@ pub(crate) fn read_up_to(most: u64, path: &Path) -> io::Result<Option<String>> {
     text.map_err(|error| {
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = before.split(|&byte| byte == b'\n').count();
-        io::Error::new(io::ErrorKind::InvalidData, format!("line {line} is not UTF-8"))
+        let what = if is_utf_16(error.as_bytes()) {
+            "this is UTF-16, not UTF-8".to_owned()
+        } else {
+            format!("line {line} is not UTF-8")
+        };
+        io::Error::new(io::ErrorKind::InvalidData, what)
     })
+}
+
+/// Whether a file's first bytes are the mark of UTF-16, which no UTF-8 begins with.
+fn is_utf_16(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff")
 }
 
 fn bytes_up_to(most: u64, path: &Path) -> io::Result<Option<Vec<u8>>> {

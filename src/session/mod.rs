@@ -35,6 +35,7 @@ use glam::DVec2;
 pub use command::{Change, Command, CommandError};
 use pace::Pace;
 pub use replay::{Refused, Replay, ReplayError};
+pub use state::Played;
 use state::{Start, State};
 use tape::{Entry, Frame, Taken, Tape};
 use work::Work;

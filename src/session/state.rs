@@ -44,6 +44,32 @@ pub(super) struct State {
     gravity: DVec2,
     /// The energy that balls had at the start and that changes have given them since, mass·px²/s².
     given: f64,
+    /// What was played before the last reset.
+    before: Played,
+}
+
+/// How long something was played, and what happened meanwhile: resets end neither.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Played {
+    /// Simulated seconds.
+    pub seconds: f64,
+    /// Impacts between balls.
+    pub impacts: u64,
+    /// Impacts on walls.
+    pub wall_hits: u64,
+}
+
+impl Played {
+    /// The same, and then a simulation as far as it is.
+    #[must_use]
+    pub fn and(self, simulation: &Simulation) -> Self {
+        let tally = simulation.tally();
+        Self {
+            seconds: self.seconds + simulation.time(),
+            impacts: self.impacts + tally.impacts,
+            wall_hits: self.wall_hits + tally.wall_hits,
+        }
+    }
 }
 
 /// A scene at its beginning.
@@ -69,6 +95,7 @@ impl State {
             fresh: true,
             seed,
             additions: 0,
+            before: Played::default(),
         })
     }
 
@@ -95,6 +122,11 @@ impl State {
     /// The energy that the balls would have if impacts took none, mass·px²/s².
     pub(super) fn given(&self) -> f64 {
         self.given + self.rain.as_ref().map_or(0.0, Rain::energy)
+    }
+
+    /// What was played since the beginning, whatever was reset.
+    pub(super) fn played(&self) -> Played {
+        self.before.and(&self.simulation)
     }
 
     /// About how much memory a clone takes, in bytes.
@@ -154,6 +186,7 @@ impl State {
 
     fn reset(&mut self) -> Result<(), CommandError> {
         let solver = self.solver();
+        self.before = self.played();
         self.simulation = self.start.simulation.clone();
         if solver != self.solver() {
             self.simulation.set_solver(solver);

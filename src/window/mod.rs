@@ -36,6 +36,7 @@ use winit::event_loop::{ControlFlow, EventLoop};
 
 use app::App;
 pub use problem::WindowError;
+pub use timings::Timings;
 
 use crate::scene::Scene;
 use crate::session::{Command, Session};
@@ -52,8 +53,8 @@ pub struct Options {
     pub time_scale: f64,
     /// Present with the screen's refresh.
     pub vsync: bool,
-    /// Print where the frames' time went when the window closes.
-    pub timings: bool,
+    /// Take down where the frames' time goes, and print it when the window closes.
+    pub timings: Option<Timings>,
     /// Load the scene file again whenever it is saved.
     pub watch: bool,
     /// Neither hint nor messages over the picture.
@@ -84,8 +85,8 @@ pub fn open(scene: &Scene, options: &Options) -> Result<(), WindowError> {
         EventLoopError::ExitFailure(_) => WindowError::DisplayGone,
         error => WindowError::System(error.to_string()),
     })?;
-    let (timings, failure) = app.end();
-    if let Some(timings) = timings {
+    let failure = app.end();
+    if let Some(timings) = &options.timings {
         let _ = writeln!(io::stderr(), "{timings}");
     }
     failure.map_or(Ok(()), Err)

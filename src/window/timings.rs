@@ -1,11 +1,29 @@
 //! Where the frames' time went, for `--timings`.
 
 use std::fmt;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+
+/// Where the time of a window's frames went; its [`Display`](fmt::Display) tells it. The window is given a clone, so that
+/// what it took so far can be told where something ends the program at once.
+#[derive(Debug, Clone, Default)]
+pub struct Timings(Arc<Mutex<Taken>>);
+
+impl Timings {
+    pub(super) fn lock(&self) -> MutexGuard<'_, Taken> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl fmt::Display for Timings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.lock().fmt(f)
+    }
+}
 
 /// The times of each frame's four parts, of the program's own share of each turn, and what the longest turns went on.
 #[derive(Debug)]
-pub(super) struct Timings {
+pub(super) struct Taken {
     began: Instant,
     parts: [Spread; 4],
     own: Spread,
@@ -41,11 +59,11 @@ const MOST_LONG: usize = 5;
 /// The names of a frame's parts.
 const PARTS: [&str; 4] = ["advance", "paint", "upload", "present"];
 
-impl Timings {
+impl Default for Taken {
     /// Nothing has been timed yet.
-    pub(super) fn begin(now: Instant) -> Self {
+    fn default() -> Self {
         Self {
-            began: now,
+            began: Instant::now(),
             parts: Default::default(),
             own: Spread::default(),
             processor: Spread::default(),
@@ -55,7 +73,9 @@ impl Timings {
             longest: Vec::new(),
         }
     }
+}
 
+impl Taken {
     /// Adds a frame that was presented.
     pub(super) fn add(&mut self, parts: [Duration; 4]) {
         for (spread, part) in self.parts.iter_mut().zip(parts) {
@@ -97,7 +117,7 @@ impl Timings {
     }
 }
 
-impl fmt::Display for Timings {
+impl fmt::Display for Taken {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "frame times in ms, {} frames", self.parts[0].count())?;
         let parts = PARTS.iter().zip(&self.parts);

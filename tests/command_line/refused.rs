@@ -11,7 +11,7 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
     fs::write(here.path().join("negative.txt"), "-1\n").unwrap();
     fs::write(here.path().join("empty.txt"), "# nothing\n").unwrap();
     fs::write(here.path().join("a.replay"), "carom replay 1\nscene gravity\nframe 0\n").unwrap();
-    fs::write(here.path().join("binary.toml"), [0xff, 0xfe, 0x00]).unwrap();
+    fs::write(here.path().join("binary.toml"), [0xff, 0x00, 0xfe]).unwrap();
     fs::write(here.path().join("latin.toml"), b"size = [99, 99]\nabout = \"B\xe4lle\"\n").unwrap();
     fs::write(here.path().join("cut.replay"), "carom replay 1\nscene draw\nframe 0.").unwrap();
     let cases: &[(&[&str], &str)] = &[
@@ -68,6 +68,23 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
     ];
     for (args, message) in cases {
         fail(&here, args, 2, message);
+    }
+}
+
+#[test]
+fn a_file_in_utf_16_is_told_so_with_what_to_save_it_as_and_none_of_its_noise() {
+    let here = folder();
+    let text = "\u{feff}size = [99, 99]\n";
+    let write = |name: &str, bytes: fn(u16) -> [u8; 2]| {
+        fs::write(here.path().join(name), text.encode_utf16().flat_map(bytes).collect::<Vec<u8>>()).unwrap();
+    };
+    write("little.toml", u16::to_le_bytes);
+    write("big.toml", u16::to_be_bytes);
+    for name in ["little.toml", "big.toml"] {
+        let said = stderr(&carom(&here, &["run", name]));
+        assert_eq!(said, format!("carom: {name}: this is UTF-16; save the file as UTF-8\n"));
+        fail(&here, &["run", "draw", "--deltas", name], 2, &format!("{name}: this is UTF-16, not UTF-8; "));
+        fail(&here, &["run", "draw", "--commands", name], 2, &format!("{name}: this is UTF-16, not UTF-8; "));
     }
 }
 

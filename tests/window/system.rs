@@ -101,3 +101,20 @@ fn a_signal_while_recording_leaves_nothing_half_written() {
         assert!(left.is_empty(), "{signal}: {left:?}");
     }
 }
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn timings_so_far_are_told_where_a_signal_ends_the_window() {
+    for signal in ["INT", "TERM", "HUP"] {
+        let display = Display::start();
+        let mut window = display.open(&["elastic", "--timings"]);
+        assert!(window.moves());
+        window.signal(signal);
+        let (status, said) = window.end_saying();
+        assert_eq!(status.code(), None, "it ends by the signal");
+        let frames =
+            said.split_once("frame times in ms, ").and_then(|(_, rest)| rest.split_once(" frames\n"));
+        let (frames, parts) = frames.unwrap_or_else(|| panic!("{said}"));
+        assert!(frames.parse::<u32>().unwrap() > 0 && parts.contains("present   median"), "{said}");
+    }
+}

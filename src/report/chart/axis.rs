@@ -4,8 +4,6 @@ use std::ops::Range;
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 
-use crate::report::document::power_of_ten;
-
 /// An axis with its label, from its lowest to its highest value.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::report) struct Axis {
@@ -73,12 +71,15 @@ impl Axis {
         (first..=last).map(|tick| tick as f64 * step).collect()
     }
 
-    /// The number at a tick.
-    pub(super) fn number(&self, place: f64) -> String {
+    /// The number at a tick, and the exponent that it is raised to, if any.
+    pub(super) fn number(&self, place: f64) -> (String, String) {
         if let Some(name) = self.names.get(place.round() as usize) {
-            return (*name).to_owned();
+            return ((*name).to_owned(), String::new());
         }
-        if self.log { power_of_ten(place.round() as i32) } else { format!("{place}") }
+        if !self.log {
+            return (format!("{place}"), String::new());
+        }
+        ("10".to_owned(), format!("{}", place.round()).replace('-', "−"))
     }
 }
 
@@ -116,7 +117,7 @@ mod tests {
     fn a_logarithmic_axis_has_whole_decades() {
         let axis = Axis::log("t", [3e-4, 0.0, 2.0]);
         assert_eq!(axis.ticks(), [-4.0, -3.0, -2.0, -1.0, 0.0, 1.0]);
-        assert_eq!(axis.number(-4.0), "10⁻⁴");
+        assert_eq!(axis.number(-4.0), ("10".to_owned(), "−4".to_owned()));
         assert_eq!(axis.place(0.0), -4.0);
         assert_eq!(axis.place(100.0), 1.0);
         assert_eq!(Axis::log("t", [0.0]).ticks(), [0.0, 1.0]);
@@ -127,6 +128,6 @@ mod tests {
     fn a_linear_axis_counts() {
         let axis = Axis::linear("t", (0.0, 10.0));
         assert_eq!(axis.ticks(), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
-        assert_eq!(axis.number(2.0), "2");
+        assert_eq!(axis.number(2.0), ("2".to_owned(), String::new()));
     }
 }

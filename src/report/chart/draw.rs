@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::axis::Places;
-use super::{Curve, Entry, FONT, Figure, GREY, Guide, LEGEND, Mark, NUMBERS, Panel, Style};
+use super::{Curve, Dot, Entry, FONT, Figure, GREY, Guide, LEGEND, Mark, NUMBERS, Panel, Style};
 
 type Area<DB> = DrawingArea<DB, Shift>;
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Places, Places>>;
@@ -27,6 +27,15 @@ const NOTE: u32 = 14;
 const NOTE_LINE: u32 = 16;
 /// The radius of a ring, px.
 const RING: u32 = 8;
+/// The size of exponents, and how far their middle is above that of what they raise, px.
+const EXPONENT: u32 = 11;
+const RAISED: u32 = 5;
+/// The length of ticks, px.
+const TICK: u32 = 4;
+/// Where a guide's name may begin, in shares of its line: the first of those where least is in its way.
+const NAME_AT: [f64; 13] = [0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4, 0.35, 0.3, 0.25, 0.2];
+/// How far a name keeps from what is drawn, px.
+const CLEAR: i32 = 3;
 
 /// An error of the plotting library in words.
 fn told(error: impl Display) -> String {
@@ -65,7 +74,6 @@ fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, noted: bool, scale:
     }
     let mut builder = ChartBuilder::on(&area);
     builder.x_label_area_size(42 * scale).y_label_area_size(66 * scale);
-    let numbers: TextStyle<'static> = (NUMBERS, NUMBER * scale).into_font().color(&INK);
     let mut chart = builder.build_cartesian_2d(panel.x.places(), panel.y.places()).map_err(told)?;
     chart
         .configure_mesh()
@@ -74,16 +82,15 @@ fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, noted: bool, scale:
         .axis_style(INK.stroke_width(scale))
         .x_labels(panel.x.ticks().len())
         .y_labels(panel.y.ticks().len())
-        .x_label_formatter(&|place| panel.x.number(*place))
-        .y_label_formatter(&|place| panel.y.number(*place))
-        .label_style(numbers.clone())
-        .x_label_style(if panel.x.is_named() { text(NUMBER, scale, INK) } else { numbers })
+        // Exponents are smaller text, which the library does not know.
+        .label_style((FONT, NUMBER).into_font().color(&TRANSPARENT))
         .axis_desc_style(text(LABEL, scale, INK))
         .x_desc(panel.x.label)
         .y_desc(panel.y.label)
-        .set_all_tick_mark_size(4 * scale)
+        .set_all_tick_mark_size(TICK * scale)
         .draw()
         .map_err(told)?;
+    draw_numbers(&chart, panel, &area, scale)?;
     for guide in &panel.guides {
         draw_guide(&mut chart, panel, guide, scale)?;
     }
@@ -93,30 +100,113 @@ fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, noted: bool, scale:
     Ok(())
 }
 
-/// A straight line through the diagram, cut off at its edges, with its name near the end that is farther right.
+/// The numbers and names at the ticks of both axes.
+fn draw_numbers<DB: DrawingBackend>(
+    chart: &Chart<'_, DB>,
+    panel: &Panel,
+    area: &Area<DB>,
+    scale: u32,
+) -> Result<(), String> {
+    let (px, (left, top)) = (scale as i32, area.get_base_pixel());
+    let (across, down) = chart.plotting_area().get_pixel_range();
+    let apart = 2 * TICK as i32 * px;
+    for place in panel.x.ticks() {
+        let x = chart.backend_coord(&(place, panel.y.ends().0)).0 - left;
+        let y = down.end - top + apart + NUMBER as i32 * px / 2;
+        let font = if panel.x.is_named() { FONT } else { NUMBERS };
+        draw_number(area, panel.x.number(place), (x, y), true, font, scale)?;
+    }
+    for place in panel.y.ticks() {
+        let y = chart.backend_coord(&(panel.x.ends().0, place)).1 - top;
+        let at = (across.start - left - apart, y);
+        draw_number(area, panel.y.number(place), at, false, NUMBERS, scale)?;
+    }
+    Ok(())
+}
+
+/// A number with its exponent: its middle in height, and its middle or its right end, are at this place.
+fn draw_number<DB: DrawingBackend>(
+    area: &Area<DB>,
+    (base, exponent): (String, String),
+    (x, y): (i32, i32),
+    centred: bool,
+    font: &'static str,
+    scale: u32,
+) -> Result<(), String> {
+    let style = |size: u32| {
+        let style: TextStyle<'static> = (font, size * scale).into_font().color(&INK);
+        style.pos(Pos::new(HPos::Left, VPos::Center))
+    };
+    let (large, small) = (style(NUMBER), style(EXPONENT));
+    let width = |text: &str, style: &TextStyle<'_>| {
+        area.estimate_text_size(text, style).map(|(width, _)| width as i32).map_err(told)
+    };
+    let (base_width, exponent_width) = (width(&base, &large)?, width(&exponent, &small)?);
+    let whole = base_width + exponent_width;
+    let x = if centred { x - whole / 2 } else { x - whole };
+    area.draw(&Text::new(base, (x, y), large)).map_err(told)?;
+    if exponent.is_empty() {
+        return Ok(());
+    }
+    area.draw(&Text::new(exponent, (x + base_width, y - (RAISED * scale) as i32), small)).map_err(told)
+}
+
+/// The ends of a guide's line, cut off at the diagram's edges; none where it does not come through.
+fn ends(panel: &Panel, guide: &Guide) -> Option<[(f64, f64); 2]> {
+    let ((left, right), (bottom, top)) = (panel.x.ends(), panel.y.ends());
+    let (x, y) = (panel.x.place(guide.through.0), panel.y.place(guide.through.1));
+    let at_height = |height: f64| x + (height - y) / guide.slope;
+    let (one, other) = (at_height(bottom), at_height(top));
+    let (from, to) = (left.max(one.min(other)), right.min(one.max(other)));
+    let on_line = |x_place: f64| (x_place, y + guide.slope * (x_place - x));
+    (from < to).then(|| [on_line(from), on_line(to)])
+}
+
+/// A straight line through the diagram, with its name above it, where no other line is if there is such a place.
 fn draw_guide<DB: DrawingBackend>(
     chart: &mut Chart<'_, DB>,
     panel: &Panel,
     guide: &Guide,
     scale: u32,
 ) -> Result<(), String> {
-    let ((left, right), (bottom, top)) = (panel.x.ends(), panel.y.ends());
-    let (x, y) = (panel.x.place(guide.through.0), panel.y.place(guide.through.1));
-    let at_height = |height: f64| x + (height - y) / guide.slope;
-    let (one, other) = (at_height(bottom), at_height(top));
-    let (from, to) = (left.max(one.min(other)), right.min(one.max(other)));
-    if from >= to {
-        return Ok(());
-    }
-    let on_line = |x_place: f64| (x_place, y + guide.slope * (x_place - x));
-    chart
-        .draw_series(LineSeries::new([on_line(from), on_line(to)], GREY.stroke_width(scale)))
-        .map_err(told)?;
+    let Some([from, to]) = ends(panel, guide) else { return Ok(()) };
+    chart.draw_series(LineSeries::new([from, to], GREY.stroke_width(scale))).map_err(told)?;
     let style = text(NOTE, scale, GREY).pos(Pos::new(HPos::Left, VPos::Bottom));
-    // Where guides have come apart, and above the line.
-    let at = on_line(from + 0.8 * (to - from));
-    chart.draw_series([Text::new(guide.label.clone(), at, style)]).map_err(told)?;
+    let size = chart.plotting_area().estimate_text_size(&guide.label, &style).map_err(told)?;
+    let (width, height, clear) = (size.0 as i32, size.1 as i32, CLEAR * scale as i32);
+    let others = in_the_way(chart, panel, guide);
+    let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+    let crossed = |share: &f64| {
+        let (x, y) = chart.backend_coord(&at(*share));
+        let (across, down) = (x - clear..x + width + clear, y - height - clear..y + clear);
+        others.iter().filter(|(x, y)| across.contains(x) && down.contains(y)).count()
+    };
+    let share = NAME_AT.into_iter().min_by_key(crossed).unwrap_or(NAME_AT[0]);
+    chart.draw_series([Text::new(guide.label.clone(), at(share), style)]).map_err(told)?;
     Ok(())
+}
+
+/// The pixels of all lines in a panel but this guide's own, and the middles of its marks.
+fn in_the_way<DB: DrawingBackend>(chart: &Chart<'_, DB>, panel: &Panel, guide: &Guide) -> Vec<(i32, i32)> {
+    let guides = panel.guides.iter().filter(|other| *other != guide).filter_map(|other| ends(panel, other));
+    let mut lines: Vec<Vec<(f64, f64)>> = guides.map(|ends| ends.to_vec()).collect();
+    for dots in panel.curves.iter().map(|curve| &curve.dots) {
+        let at = |x: f64, y: f64| (panel.x.place(x), panel.y.place(y));
+        lines.push(dots.iter().map(|dot| at(dot.x, dot.y)).collect());
+        let spread = |dot: &Dot| dot.spread.map(|(least, most)| vec![at(least, dot.y), at(most, dot.y)]);
+        lines.extend(dots.iter().filter_map(spread));
+    }
+    let mut pixels = Vec::new();
+    for line in lines {
+        let corners: Vec<(i32, i32)> = line.iter().map(|place| chart.backend_coord(place)).collect();
+        for pair in corners.windows(2) {
+            let ((x, y), (across, down)) = (pair[0], (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1));
+            let steps = across.abs().max(down.abs()).max(1);
+            pixels.extend((0..steps).map(|step| (x + across * step / steps, y + down * step / steps)));
+        }
+        pixels.extend(corners.last());
+    }
+    pixels
 }
 
 fn draw_curve<DB: DrawingBackend>(

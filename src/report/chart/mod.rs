@@ -175,7 +175,7 @@ const LEGEND: u32 = 30;
 /// Pixels of the PNG for each px.
 const ENLARGED: u32 = 2;
 const FONT: &str = "sans-serif";
-/// The numbers' font: the other has no raised minus.
+/// The numbers' font: the other has no minus.
 const NUMBERS: &str = "monospace";
 
 impl Figure {
@@ -299,7 +299,7 @@ mod tests {
         let files = figure().files().unwrap();
         assert_eq!([&*files[0].0, &*files[1].0], ["test.svg", "test.png"]);
         let svg = String::from_utf8(files[0].1.clone()).unwrap();
-        assert!(svg.contains("order 1") && svg.contains("exact") && svg.contains("10⁻¹²"), "{svg}");
+        assert!(svg.contains("order 1") && svg.contains("exact") && svg.contains("−12"), "{svg}");
         let png = Pixmap::decode_png(&files[1].1).unwrap();
         assert_eq!((png.width(), png.height()), (1920, 760));
         // The curves are there in their colours.
@@ -311,12 +311,76 @@ mod tests {
         assert!(has(ORANGE) && has(BLUE) && !has(GREEN));
     }
 
+    /// The texts of an SVG: where they begin or end, and what they say.
+    fn texts(svg: &str) -> Vec<((f64, f64), String)> {
+        let number = |tag: &str, name: &str| {
+            tag.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+        };
+        let texts = svg.split("<text").skip(1).map(|text| {
+            let (tag, rest) = text.split_once('>').unwrap();
+            ((number(tag, "x"), number(tag, "y")), rest.split('<').next().unwrap().trim().to_owned())
+        });
+        texts.collect()
+    }
+
+    #[test]
+    fn an_exponent_is_right_behind_its_ten_and_above_it() {
+        carry_font().unwrap();
+        let texts = texts(&figure().svg().unwrap());
+        let behind = |text: &str| {
+            let pairs = texts.windows(2).filter(|pair| pair[0].1 == "10" && pair[1].1 == text);
+            pairs.map(|pair| (pair[1].0.0 - pair[0].0.0, pair[1].0.1 - pair[0].0.1)).collect::<Vec<_>>()
+        };
+        for exponent in ["−12", "−6", "0"] {
+            let places = behind(exponent);
+            assert!(!places.is_empty(), "{exponent}");
+            assert!(
+                places.iter().all(|&(x, y)| (12.0..18.0).contains(&x) && (-8.0..-3.0).contains(&y)),
+                "{places:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn no_line_crosses_a_guides_name_where_there_is_a_place_for_it() {
+        carry_font().unwrap();
+        // A curve that falls steeply, and a mark whose spread goes from end to end.
+        let steep = (0..30).map(|step| 10_f64.powf(-6.0 + f64::from(step) / 10.0));
+        let steep = steep.map(|x| vec![Dot::at(x, 10.0), Dot::at(1.02 * x, 1e-13)]);
+        let level = (0..28).map(|step| 10_f64.powf(1.0 - f64::from(step) / 2.0));
+        let level = level.map(|y| vec![Dot { spread: Some((1e-6, 1e-3)), ..Dot::at(1e-6, y) }]);
+        for dots in steep.chain(level) {
+            let mut figure = figure();
+            figure.columns = 1;
+            figure.panels.truncate(1);
+            let panel = &mut figure.panels[0];
+            panel.curves.truncate(1);
+            panel.curves[0].style = Style::of(Solver::Exact);
+            panel.curves[0].dots.clone_from(&dots);
+            let svg = figure.svg().unwrap();
+            let ((left, below), _) = texts(&svg).into_iter().find(|(_, text)| text == "order 1").unwrap();
+            let lines = svg.split("<polyline").filter(|tag| tag.contains("#005AA0"));
+            // A name of seven letters, 14 px high.
+            let crossed = lines.filter(|line| {
+                let points = line.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
+                let points: Vec<f64> = points.split([' ', ',']).filter_map(|it| it.parse().ok()).collect();
+                (0..=1000).map(|step| f64::from(step) / 1000.0).any(|share| {
+                    let at = |index: usize| {
+                        points[index] + share * (points[points.len() - 2 + index] - points[index])
+                    };
+                    (0.0..42.0).contains(&(at(0) - left)) && (0.0..11.0).contains(&(below - at(1)))
+                })
+            });
+            assert_eq!(crossed.count(), 0, "the name at {left}, {below} and the line of {dots:?}");
+        }
+    }
+
     #[cfg(feature = "window")]
     #[test]
     fn the_fonts_have_every_character_that_figures_use() {
         use ab_glyph::{Font, FontRef, GlyphId};
 
-        let (text, numbers) = ("0123456789.,:;()/·–×=+²³⁴⁵⁶⁷⁸⁹µabcxyzABCXYZ'%", "0123456789.-⁻⁰¹²³⁴⁵⁶⁷⁸⁹");
+        let (text, numbers) = ("0123456789.,:;()/·–×=+²³⁴⁵⁶⁷⁸⁹µabcxyzABCXYZ'%", "0123456789.-−");
         for (font, used) in
             [(epaint_default_fonts::UBUNTU_LIGHT, text), (epaint_default_fonts::HACK_REGULAR, numbers)]
         {

@@ -16,7 +16,7 @@ use thiserror::Error;
 pub(super) use write::write;
 
 use super::command::CommandError;
-use super::state::{Start, State};
+use super::state::{Played, Start, State};
 use super::tape::Entry;
 use crate::scene::{self, Rain, Scene, SceneError};
 use crate::simulation::Simulation;
@@ -170,6 +170,12 @@ impl Replay {
     #[must_use]
     pub fn simulation(&self) -> &Simulation {
         &self.state.simulation
+    }
+
+    /// What was played since the beginning, whatever was reset.
+    #[must_use]
+    pub fn played(&self) -> Played {
+        self.state.played()
     }
 
     /// The number of frames.

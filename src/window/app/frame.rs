@@ -87,8 +87,8 @@ impl App {
             return Ok(());
         }
         self.split = [advanced - start, painted - advanced, presented.upload + presented.present];
-        if let Some(timings) = &mut self.timings {
-            timings.add([advanced - start, painted - advanced, presented.upload, presented.present]);
+        if let Some(timings) = &self.options.timings {
+            timings.lock().add([advanced - start, painted - advanced, presented.upload, presented.present]);
         }
         if !changed {
             self.stand_still(start);

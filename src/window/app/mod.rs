@@ -30,7 +30,7 @@ use super::messages::{Messages, Tone};
 use super::overlay::{Browser, Gauge, Overlay};
 use super::record::Recorder;
 use super::screen::Screen;
-use super::timings::{Timings, Turn};
+use super::timings::Turn;
 use super::waiting::Waiting;
 use super::watch::Watch;
 use super::{Options, WindowError, words};
@@ -64,7 +64,6 @@ pub(super) struct App {
     clock: FrameClock,
     rate: FrameRate,
     frames_per_second: Option<f64>,
-    timings: Option<Timings>,
     /// The turn of the event loop, since it woke.
     turn: Turn,
     /// What keys asked for that there was no time for yet.
@@ -125,8 +124,8 @@ pub(super) struct App {
 impl ApplicationHandler for App {
     fn new_events(&mut self, _: &ActiveEventLoop, _: StartCause) {
         self.turn = Turn::begin(Instant::now());
-        if let Some(timings) = &mut self.timings {
-            timings.begin_turn();
+        if let Some(timings) = &self.options.timings {
+            timings.lock().begin_turn();
         }
     }
 
@@ -222,8 +221,8 @@ impl ApplicationHandler for App {
             Some(at) => ControlFlow::WaitUntil(at),
             None => ControlFlow::Wait,
         });
-        if let Some(timings) = &mut self.timings {
-            timings.add_turn(self.turn.own(Instant::now()), || {
+        if let Some(timings) = &self.options.timings {
+            timings.lock().add_turn(self.turn.own(Instant::now()), || {
                 let size = self.session.simulation().world().size().round();
                 format!("{} · {}×{} px", words::shown(&self.session), size.x, size.y)
             });
@@ -243,7 +242,6 @@ impl App {
             clock: FrameClock::default(),
             rate: FrameRate::default(),
             frames_per_second: None,
-            timings: options.timings.then(|| Timings::begin(Instant::now())),
             turn: Turn::begin(Instant::now()),
             waiting: Waiting::default(),
             busy: None,
@@ -285,9 +283,8 @@ impl App {
         app
     }
 
-    /// Finishes what is under way, and tells where the frames' time went, if that was asked for, and what went wrong,
-    /// if anything did.
-    pub(super) fn end(mut self) -> (Option<Timings>, Option<WindowError>) {
+    /// Finishes what is under way, and tells what went wrong, if anything did.
+    pub(super) fn end(mut self) -> Option<WindowError> {
         // Nothing is shown any more.
         self.screen = None;
         match self.recorder.take().and_then(|recorder| recorder.finish(Instant::now())) {
@@ -295,13 +292,13 @@ impl App {
             Some(Ok(recorded)) => self.announce(recorded.to_string()),
             Some(Err(error)) => self.complain(format!("no recording saved: {error}")),
         }
-        (self.timings, self.failure)
+        self.failure
     }
 
     /// For the timings: what the processor time since they were told last went on.
-    fn spent(&mut self, on: &'static str) {
-        if let Some(timings) = &mut self.timings {
-            timings.spent(on);
+    fn spent(&self, on: &'static str) {
+        if let Some(timings) = &self.options.timings {
+            timings.lock().spent(on);
         }
     }
 

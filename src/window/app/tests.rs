@@ -12,7 +12,7 @@ const OPTIONS: Options = Options {
     paused: false,
     time_scale: 1.0,
     vsync: false,
-    timings: false,
+    timings: None,
     watch: false,
     quiet: false,
     seed: None,
@@ -193,6 +193,27 @@ fn a_click_on_the_help_closes_it_and_adds_no_ball_behind_it() {
     }
     assert!(!app.help);
     assert_eq!(app.session.simulation().balls().len(), 1);
+}
+
+#[test]
+fn what_the_hand_is_on_or_holds_is_not_drawn_over_the_help_or_the_list_of_scenes() {
+    let mut app = app("gravity");
+    let ball = app.session.simulation().balls()[4].position();
+    let room = Room { picture: app.session.simulation().world().size(), scale: 1.0 };
+    for begin in [|_: &mut App| {}, |app: &mut App| app.press(MouseButton::Left, ElementState::Pressed)] {
+        for action in [Action::ToggleHelp, Action::ToggleBrowser] {
+            app.hands.point_at(ball);
+            app.pointed = Some(Instant::now());
+            begin(&mut app);
+            let shown = |app: &mut App| app.overlay(room, 0.0, Instant::now()).hand.is_some();
+            assert!(shown(&mut app));
+            hold(&mut app, action, false);
+            assert!(!shown(&mut app), "{action:?}");
+            app.help = false;
+            app.close_browser();
+            app.hands.drop_all();
+        }
+    }
 }
 
 #[test]

@@ -110,8 +110,12 @@ impl App {
         overlay
     }
 
-    /// What is shown of the hand, for a while after it has moved, and for as long as it holds something.
+    /// What is shown of the hand, for a while after it has moved, and for as long as it holds something; nothing where
+    /// the help or the list of scenes lies over the balls.
     pub(super) fn hand(&self, now: Instant) -> Option<Hand> {
+        if self.help || self.browser.is_some() {
+            return None;
+        }
         if !self.hands.are_busy() && self.pointed.is_none_or(|at| now >= at + POINTED) {
             return None;
         }
