@@ -61,41 +61,111 @@ fn large_balls_wedged_in_among_small_ones_come_to_rest() {
     }
 }
 
-/// Balls, each between two fixed ones on both sides that nearly face each other, degrees from flat: each presses on both with several
-/// times its weight. They used to hop there for ever, and in flatter wedges fell through.
-fn lie_still_in_wedges(count: u32, (slope, flatness): (f64, f64)) {
-    let at = |degrees: f64| 10.0 * DVec2::from_angle(degrees.to_radians());
-    let columns = 2 * count.isqrt();
-    let wedge = |k: u32| {
-        let here = DVec2::new(20.0 + 33.0 * f64::from(k % columns), 20.0 + 33.0 * f64::from(k / columns));
-        let fixed = |place: DVec2| ball(place.x, place.y, 5.0).fixed();
-        [fixed(here + at(slope)), ball(here.x, here.y, 5.0), fixed(here + at(180.0 + slope - flatness))]
-    };
-    let world = world(33.0 * f64::from(columns), 17.0 * f64::from(columns) + 33.0, 0.5);
-    let world = world.with_gravity(EARTH).unwrap();
-    let mut wedges = simulation(world, (0..count).flat_map(wedge).collect()).with_sleep(false);
+/// What each of these balls does that lie in wedges, or fall into them: it lies still there, and not in others.
+fn lie_still(case: &str, mut wedges: Simulation) {
     wedges.advance(2.0).unwrap();
     let (mut fastest_of_all, mut deepest) = (0.0_f64, 0.0_f64);
     for _ in 0..60 {
         wedges.advance(FRAME).unwrap();
         (fastest_of_all, deepest) = (fastest_of_all.max(fastest(&wedges)), deepest.max(overlap(&wedges)));
     }
-    let case = format!("{count}, {flatness}° from flat, at a slope of {slope}°");
     assert!(fastest_of_all < 0.5, "{case}: {fastest_of_all} px/s");
     assert!(deepest < 0.01, "{case}: {deepest} of a radius deep");
+}
+
+/// So many balls, each so far above its place between two fixed ones on both sides that nearly face each other, so many degrees from
+/// flat: each presses on both with many times its weight. They used to hop there for ever, and in flatter wedges fell through.
+fn lie_still_in_wedges(count: u32, (slope, flatness): (f64, f64), above: f64) {
+    let at = |degrees: f64| 10.0 * DVec2::from_angle(degrees.to_radians());
+    let columns = 2 * count.isqrt();
+    let wedge = |k: u32| {
+        let here = DVec2::new(20.0 + 33.0 * f64::from(k % columns), 40.0 + 33.0 * f64::from(k / columns));
+        let fixed = |place: DVec2| ball(place.x, place.y, 5.0).fixed();
+        let falling = ball(here.x, here.y - above, 5.0).with_restitution(0.5).unwrap();
+        [fixed(here + at(slope)), falling, fixed(here + at(180.0 + slope - flatness))]
+    };
+    let world = world(33.0 * f64::from(columns), 17.0 * f64::from(columns) + 53.0, 0.5);
+    let world = world.with_gravity(EARTH).unwrap();
+    let wedges = simulation(world, (0..count).flat_map(wedge).collect()).with_sleep(false);
+    lie_still(&format!("{count}, {flatness}° from flat, at a slope of {slope}°, from {above} px"), wedges);
 }
 
 #[test]
 fn a_ball_in_a_flat_wedge_lies_still() {
     let slopes = [2.5, 6.0, 10.0, 20.0, 60.0].map(|slope| (slope, 5.0));
     let flatnesses = [1.0, 5.0, 9.0, 13.0, 17.0, 21.0, 25.0, 29.0, 33.0].map(|flatness| (20.0, flatness));
-    flatnesses.into_iter().chain(slopes).for_each(|case| lie_still_in_wedges(200, case));
+    flatnesses.into_iter().chain(slopes).for_each(|case| lie_still_in_wedges(200, case, 0.0));
 }
 
 /// So many balls are several stripes (`contact/layout.rs`).
 #[test]
 fn each_of_thousands_of_balls_in_flat_wedges_lies_still() {
     for case in [(20.0, 1.0), (20.0, 9.0), (20.0, 29.0), (2.5, 5.0), (60.0, 5.0)] {
-        lie_still_in_wedges(1600, case);
+        lie_still_in_wedges(1600, case, 0.0);
+    }
+}
+
+/// Few, hundreds, thousands.
+#[test]
+fn a_ball_that_falls_into_a_flat_wedge_is_caught_there() {
+    for count in [10, 200, 1600] {
+        for flatness in [2.0, 5.0, 13.0, 25.0] {
+            lie_still_in_wedges(count, (0.0, flatness), 5.0);
+            lie_still_in_wedges(count, (0.0, flatness), 20.0);
+        }
+    }
+}
+
+#[test]
+fn a_ball_in_a_flat_wedge_of_a_wall_and_a_fixed_ball_lies_still() {
+    for count in [10, 300] {
+        for flatness in [1.0, 5.0, 13.0, 25.0] {
+            let wedge = |k: u32| {
+                let here = DVec2::new(5.0, 20.0 + 33.0 * f64::from(k));
+                let below = here + 10.0 * DVec2::from_angle(f64::to_radians(flatness));
+                [ball(here.x, here.y, 5.0), ball(below.x, below.y, 5.0).fixed()]
+            };
+            let world = world(400.0, 33.0 * f64::from(count) + 40.0, 0.5).with_gravity(EARTH).unwrap();
+            let wedges = simulation(world, (0..count).flat_map(wedge).collect()).with_sleep(false);
+            lie_still(&format!("{count}, {flatness}° from flat"), wedges);
+        }
+    }
+}
+
+/// How many balls of radius 5 fall through a row of fixed ones of this radius that leave each so much less room than it needs, as a
+/// part of its size, when so many layers of them fall on it.
+fn fall_through(fixed: f64, narrower: f64, layers: u32, restitution: f64) -> usize {
+    let (gaps, radius) = (30, 5.0);
+    let pitch = 2.0 * fixed + 2.0 * radius * (1.0 - narrower);
+    let width = pitch * f64::from(gaps);
+    let row = 200.0 + 2.1 * radius * f64::from(layers);
+    let soft = |ball: Ball| ball.with_restitution(restitution).unwrap();
+    let sieve = (0..=gaps).map(|k| soft(ball(pitch * f64::from(k), row, fixed)).fixed());
+    let columns = (width / (2.1 * radius)) as u32 - 1;
+    let place = |k: u32| {
+        let (column, layer) = (f64::from(k % columns), f64::from(k / columns));
+        let aside = 0.005 * f64::from((k % columns * 7 + k / columns * 13) % 10) + 0.03 * (layer % 2.0);
+        let x = radius * (1.1 + 2.1 * column + aside);
+        soft(ball(x, row - fixed - 30.0 - 2.1 * radius * layer, radius))
+    };
+    let balls: Vec<_> = sieve.chain((0..columns * layers).map(place)).collect();
+    let world = world(width, row + 2.0 * fixed + 100.0, 0.5).with_gravity(EARTH).unwrap();
+    let mut pile = simulation(world, balls);
+    for _ in 0..240 {
+        pile.advance(FRAME).unwrap();
+    }
+    pile.balls().iter().filter(|ball| !ball.is_fixed() && ball.position().y > row + 2.0).count()
+}
+
+/// Hundreds of them fell through.
+#[test]
+fn no_ball_falls_through_a_gap_that_is_narrower_than_it_is() {
+    for restitution in [0.0, 0.5, 0.9] {
+        for fixed in [1.0, 5.0, 20.0] {
+            for (narrower, layers) in [(0.1, 12), (0.02, 12), (0.005, 3)] {
+                let through = fall_through(fixed, narrower, layers, restitution);
+                assert_eq!(through, 0, "{narrower} narrower, between radii of {fixed}, e = {restitution}");
+            }
+        }
     }
 }

@@ -28,21 +28,16 @@ impl Contact {
         self.bodies.len() > FEW && self.substeps.are_short()
     }
 
-    /// The pass in which what still sinks stops on what carries it. Where some of it is wedged in across the edges of stripes, all of
-    /// it is done at once, and nothing is left of the pass.
-    pub(super) fn carry(&mut self) -> Pass<'static> {
+    /// The pass in which what still sinks stops on what carries it.
+    pub(super) fn carry(&self) -> Pass<'static> {
         if self.setting.kick == DVec2::ZERO || !self.setting.grounded {
             // Stopped on what falls as it does, a ball would slow down all of them.
-            return Pass::NOTHING;
+            Pass::NOTHING
+        } else if self.passes_on() {
+            Pass::CARRY_AND_PASS_ON
+        } else {
+            Pass::CARRY
         }
-        let pass = if self.passes_on() { Pass::CARRY_AND_PASS_ON } else { Pass::CARRY };
-        let across = self.wedged_across();
-        if across.is_empty() {
-            return pass;
-        }
-        self.sweep(&[pass]);
-        self.stop_wedged(&across);
-        Pass::NOTHING
     }
 }
 
@@ -78,14 +73,14 @@ impl Stripe {
         setting: &Setting,
         bodies: &mut [Body],
     ) {
-        let Self { constraints, carrying, uppers, wedging, wedge, floors, .. } = self;
+        let Self { constraints, carrying, uppers, wedging, faced, floors, .. } = self;
         let (constraints, carrying) = (&mut constraints[..], &carrying[..]);
         let most = PASSED_ON * setting.kick.length();
         for ends in uppers.windows(2) {
             let its = &carrying[ends[0] as usize..ends[1] as usize];
             let Some(&first) = its.first() else { continue };
             let upper = constraints[first as usize].pair.first as usize;
-            if WEDGES && stop_in_wedge(setting, upper, constraints, bodies, its, wedging, wedge) {
+            if WEDGES && stop_in_wedge(setting, upper, constraints, bodies, its, wedging, faced) {
                 continue;
             }
             match *its {

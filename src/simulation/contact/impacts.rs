@@ -113,6 +113,9 @@ impl Stage<'_> {
         mut look: impl FnMut(Spot, [&Fate; 2]),
     ) {
         let layout = stripes.layout;
+        if self.setting.has_fixed {
+            self.keep_between(body, stripes);
+        }
         if self.fates[body].fast {
             self.foresee_fast_wall(body);
         } else if !self.limits.is_spent(
@@ -224,7 +227,7 @@ impl Stage<'_> {
 
     /// Whether one of two balls may not hit the other any more.
     #[cold]
-    fn is_either_spent(&self, (i, j): (usize, usize), states: [(&Body, &Fate); 2]) -> bool {
+    pub(super) fn is_either_spent(&self, (i, j): (usize, usize), states: [(&Body, &Fate); 2]) -> bool {
         let restitution = self.restitutions[i].min(self.restitutions[j]);
         let [(one, first), (other, second)] = states;
         let shift = first.shift.max(second.shift);

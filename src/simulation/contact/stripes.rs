@@ -15,7 +15,7 @@ use super::prepare::Followed;
 use super::rewind::Taken;
 use super::substeps::CARRIED;
 use super::unlike::Unlike;
-use super::wedges::{Wedge, Wedging};
+use super::wedges::Wedging;
 use super::{Body, DVec2, Setting};
 
 /// A pair that holds each other bounces only where it meets faster than [`Setting::firm`] and this part of the velocity
@@ -66,8 +66,8 @@ pub(super) struct Stripe {
     pub(super) distances: Vec<f64>,
     /// What carries the ball that is looked at, and how much each adds to its velocity.
     pub(super) floors: Vec<(Floor, f64)>,
-    /// What is around it, where it may be wedged in.
-    pub(super) wedge: Wedge,
+    /// The same with what faces that.
+    pub(super) faced: Vec<Floor>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
     pub(super) disturbed: Vec<(u32, f64)>,
     /// Places of pairs that may meet in a substep.

@@ -1,0 +1,318 @@
+//! What is firm, fixed balls and, beside these, walls, gives way to nothing: what lies between two of them that nearly face each other,
+//! or is thrown in there, goes into neither. They press on it with many times what presses it in, which sweeps find in hundreds of
+//! substeps, and impacts come ever more often there (inelastic collapse; Bernu & Mazighi 1990), so that more are left than are
+//! taken: before either had stopped it, it would be through.
+//!
+//! So what would take it into them is taken from its velocity: before impacts, as far as what held it in the last substep would drive
+//! it there; after each, as far as no other is to come of it; and when all has been held apart. What is left is the nearest velocity
+//! that takes it into none.
+
+use glam::DVec2;
+
+use super::carry::Floor;
+use super::constraints::Marks;
+use super::fates::{Limits, Shift};
+use super::impacts::Stage;
+use super::meeting::strike;
+use super::sleep::Rest;
+use super::stripes::Stripes;
+use super::sweep::Pass;
+use super::wedges::held_between;
+use super::{Body, Contact, Setting};
+
+/// Two of them face each other, and may wedge a ball in, where the angle between where they look has less than this cosine: 150°.
+const FACING: f64 = -0.87;
+/// They are near a ball that is no farther from them than this part of its radius, and than it goes in a substep.
+const NEAR: f64 = 0.25;
+/// At least this part of a substep is left after an impact.
+const LEFT: f64 = 1e-6;
+
+/// A ball between such, as it is after its impacts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Between {
+    body: usize,
+    onward: Onward,
+    /// Whether it may not have been hit as often as it would have been.
+    spent: bool,
+}
+
+/// How a ball goes on after it was hit.
+#[derive(Debug, Clone, Copy)]
+struct Onward {
+    /// When it was hit for the last time, s after the substep's beginning, and where it was then.
+    time: f64,
+    place: DVec2,
+    /// By how much it is faster since then, in the mean, than through the substep.
+    faster: DVec2,
+    /// How much of the substep is left, s.
+    left: f64,
+}
+
+impl Onward {
+    fn of(setting: &Setting, body: &Body, time: f64) -> Self {
+        let part = time / setting.substep;
+        // Only what nothing holds goes along its parabola.
+        let change = if body.is_free() { body.change(setting.kick) } else { DVec2::ZERO };
+        Self {
+            time,
+            place: body.end(time) + change * (0.5 * time * (part - 1.0)),
+            faster: change * (0.5 * part),
+            left: (setting.substep - time).max(LEFT * setting.substep),
+        }
+    }
+
+    /// The velocity through the substep of a ball that comes into none of these sides, as near as possible to what it is.
+    fn held(&self, velocity: DVec2, sides: impl Iterator<Item = Side> + Clone) -> DVec2 {
+        let floors = sides.map(|Side { up, gap, .. }| Floor { up, least: -gap.max(0.0) / self.left });
+        let goes = velocity + self.faster;
+        let (held, _) = held_between(goes, &floors);
+        if held == goes { velocity } else { held - self.faster }
+    }
+}
+
+/// What is firm and near a ball.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    /// Where it pushes.
+    up: DVec2,
+    /// How far away it is, px.
+    gap: f64,
+    /// The stripe and the place of the pair with it, and the fixed ball, unless it is a wall.
+    pair: Option<(usize, usize, usize)>,
+}
+
+impl Side {
+    /// What it gave a ball in the last substep, px/s.
+    fn given(&self, at: usize, body: &Body, all: &Stripes<'_>) -> DVec2 {
+        if let Some((number, pair, _)) = self.pair {
+            let given = all.list[number].constraint(pair).map(|constraint| {
+                let sign =
+                    if all.layout.start(number) + constraint.pair.first as usize == at { 1.0 } else { -1.0 };
+                (constraint.normal * constraint.impulse + constraint.grip) * (sign * body.inverse_mass)
+            });
+            return given.unwrap_or_default();
+        }
+        let (number, own) = all.layout.place_of(at);
+        let stripe = &all.list[number];
+        let push = stripe.place_beside(own).map(|place| stripe.beside[place].push).unwrap_or_default();
+        self.up * push.dot(self.up).max(0.0)
+    }
+
+    /// Has it give so much instead, px/s. Whether that is kept.
+    fn give(&self, at: usize, body: &Body, added: f64, all: &mut Stripes<'_>) -> bool {
+        let given = self.given(at, body, all);
+        if let Some((number, pair, _)) = self.pair {
+            let start = all.layout.start(number);
+            let Some(constraint) = all.list[number].constraint_mut(pair) else { return false };
+            let sign = if start + constraint.pair.first as usize == at { 1.0 } else { -1.0 };
+            (constraint.normal, constraint.grip) = (self.up * sign, DVec2::ZERO);
+            constraint.impulse = added / body.inverse_mass;
+            return true;
+        }
+        let (number, own) = all.layout.place_of(at);
+        let stripe = &mut all.list[number];
+        let Some(place) = stripe.place_beside(own) else { return false };
+        stripe.beside[place].push += self.up * added - given;
+        true
+    }
+}
+
+impl Setting {
+    /// Finds anew what these sides gave a ball in the last substep: so much that what else gave it something does not drive it into
+    /// them. What falls there by itself is to bounce.
+    fn balance(&self, at: usize, body: &mut Body, sides: &[Side], all: &mut Stripes<'_>) {
+        if sides.is_empty() || body.is_free() {
+            return;
+        }
+        let free = body.free;
+        let mut by_others = body.velocity - free;
+        for side in sides {
+            by_others -= side.given(at, body, all);
+        }
+        let floors = sides.iter().map(|&Side { up, gap, .. }| Floor {
+            up,
+            least: (-gap.max(0.0) / self.substep - free.dot(up)).min(0.0),
+        });
+        let (held, by) = held_between(by_others, &floors);
+        for (number, side) in sides.iter().enumerate() {
+            let added = by.iter().filter(|(by, _)| *by == number).map(|(_, added)| added).sum();
+            if !side.give(at, body, added, all) {
+                // Nothing keeps it for the next substep.
+                body.free += side.up * added;
+            }
+        }
+        body.velocity = free + held;
+    }
+
+    /// How far what is near a body may be, px.
+    fn near(&self, body: &Body) -> f64 {
+        NEAR * body.radius + body.velocity.length() * self.substep
+    }
+
+    /// The walls near a body at this place.
+    fn walls_near(&self, body: &Body, place: DVec2) -> impl Iterator<Item = Side> + use<> {
+        let (near, radius, size) = (self.near(body), body.radius, self.size);
+        let sides = [(DVec2::X, 0.0), (DVec2::Y, 0.0), (DVec2::NEG_X, size.x), (DVec2::NEG_Y, size.y)];
+        let sides = sides.into_iter().take(if self.walls.is_some() { 4 } else { 0 });
+        let sides = sides.map(move |(up, wall)| Side { up, gap: place.dot(up) + wall - radius, pair: None });
+        sides.filter(move |side| side.gap < near)
+    }
+
+    /// What is firm and near a body at this place; nothing where no two face each other. Its pairs must be linked.
+    fn sides(
+        &self,
+        at: usize,
+        place: DVec2,
+        bodies: &[Body],
+        rests: &[Rest],
+        all: &Stripes<'_>,
+    ) -> Vec<Side> {
+        let (body, near) = (&bodies[at], self.near(&bodies[at]));
+        let mut sides = Vec::new();
+        for number in all.of_body(at) {
+            let (stripe, start) = (&all.list[number], all.layout.start(number));
+            for pair_at in stripe.links.of((at - start) as u32) {
+                let pair = stripe.pairs[pair_at].from(start);
+                let other = if pair.first as usize == at { pair.second } else { pair.first } as usize;
+                if rests[other].own == 0.0 {
+                    let (up, distance) = (place - bodies[other].position).normalize_and_length();
+                    let gap = distance - body.radius - bodies[other].radius;
+                    if gap < near {
+                        sides.push(Side { up, gap, pair: Some((number, pair_at, other)) });
+                    }
+                }
+            }
+        }
+        if !sides.is_empty() {
+            sides.extend(self.walls_near(body, place));
+        }
+        let faces =
+            |(number, one): (usize, &Side)| sides[..number].iter().any(|other| one.up.dot(other.up) < FACING);
+        if !sides.iter().enumerate().any(faces) {
+            sides.clear();
+        }
+        sides
+    }
+}
+
+impl Stage<'_> {
+    /// Keeps a body that was hit out of what no other impact with it is to come of: what it was hit by often enough, or presses on and
+    /// comes to too slowly to bounce. Its pairs must be linked.
+    pub(super) fn keep_between(&mut self, at: usize, stripes: &Stripes<'_>) {
+        let (body, fate, setting) = (self.bodies[at], self.fates[at], self.setting);
+        // What is slow is borne by what it presses on, and is known to press from then on.
+        if fate.fast || setting.kick == DVec2::ZERO || body.velocity.length() < setting.firm {
+            return;
+        }
+        let onward = Onward::of(setting, &body, fate.time);
+        let mut sides = setting.sides(at, onward.place, self.bodies, self.rests, stripes);
+        let is_over = |side: &Side| match side.pair {
+            None => setting.walls.is_some_and(|e| self.limits.is_spent(&fate, fate.shift, e, 1.0)),
+            Some((number, pair, other)) => {
+                let states = [at, other].map(|body| (&self.bodies[body], &self.fates[body]));
+                let firm = stripes.list[number].firm(pair, setting);
+                let is_elastic = self.restitutions[at].min(self.restitutions[other]) == 1.0;
+                firm.is_some_and(|firm| !is_elastic && -body.velocity.dot(side.up) < firm)
+                    || fate.hits >= self.limits.least(fate.shift) && self.is_either_spent((at, other), states)
+            }
+        };
+        sides.retain(is_over);
+        let held = onward.held(body.velocity, sides.iter().copied());
+        if held != body.velocity {
+            strike(&mut self.bodies[at], held - body.velocity, fate.time);
+        }
+    }
+}
+
+impl Contact {
+    /// Finds the balls between firm things at the substep's beginning, in their order, and lets what held them in the last one drive
+    /// them into none.
+    pub(super) fn find_between(&mut self) -> Vec<usize> {
+        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return Vec::new() };
+        if !setting.has_fixed || setting.kick == DVec2::ZERO {
+            return Vec::new();
+        }
+        let mut beside = Vec::new();
+        for (number, stripe) in near.stripes.iter().enumerate() {
+            let start = near.layout.start(number);
+            let still = stripe.pairs.iter().zip(&stripe.marks).filter(|(_, marks)| marks.has(Marks::STILL));
+            beside.extend(still.filter_map(|(pair, _)| {
+                let pair = pair.from(start);
+                let [first, second] = [pair.first, pair.second].map(|body| body as usize);
+                let (fixed, at) = if rests[first].own == 0.0 { (first, second) } else { (second, first) };
+                let (fixed_ball, body) = (&bodies[fixed], &bodies[at]);
+                let reach = body.radius + fixed_ball.radius + setting.near(body);
+                let moves = rests[fixed].own == 0.0 && body.inverse_mass > 0.0;
+                (moves && body.position.distance_squared(fixed_ball.position) < reach * reach).then_some(at)
+            }));
+        }
+        beside.sort_unstable();
+        // With what else is near.
+        let mut between = Vec::new();
+        for balls in beside.chunk_by(|one, other| one == other) {
+            let body = &bodies[balls[0]];
+            if balls.len() > 1 || setting.walls_near(body, body.position).next().is_some() {
+                between.push(balls[0]);
+            }
+        }
+        if between.is_empty() {
+            return between;
+        }
+        near.link_pairs(bodies.len());
+        let mut all = near.all();
+        between.retain(|&at| {
+            let sides = setting.sides(at, bodies[at].position, bodies, rests, &all);
+            setting.balance(at, &mut bodies[at], &sides, &mut all);
+            !sides.is_empty()
+        });
+        between
+    }
+
+    /// How these go on after their impacts. Those that are fast are left as they are.
+    pub(super) fn onward_between(&self, between: &[usize]) -> Vec<Between> {
+        let Self { setting, bodies, restitutions, near: Some(near), .. } = self else { return Vec::new() };
+        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
+        let onward_of = |&body: &usize| {
+            let fate = self.course.fates.get(body).copied().unwrap_or_default();
+            let onward = Onward::of(setting, &bodies[body], fate.time);
+            let spent = limits.may_be_spent(&fate, restitutions[body]);
+            (!fate.fast && fate.shift != Shift::Far).then_some(Between { body, onward, spent })
+        };
+        between.iter().filter_map(onward_of).collect()
+    }
+
+    /// Stops these before the passes and after them. What is left of the passes.
+    pub(super) fn stop_between<'a>(&mut self, between: &[Between], passes: [Pass<'a>; 2]) -> [Pass<'a>; 2] {
+        if between.is_empty() {
+            return passes;
+        }
+        self.stop(between);
+        self.sweep(&passes);
+        self.stop(between);
+        [Pass::NOTHING; 2]
+    }
+
+    /// Stops these. Their pairs must be linked.
+    fn stop(&mut self, between: &[Between]) {
+        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
+        let all = near.all();
+        for &Between { body: at, onward, spent } in between {
+            if bodies[at].is_free() && !spent {
+                // Its impacts have seen to it.
+                continue;
+            }
+            let sides = setting.sides(at, onward.place, bodies, rests, &all);
+            let body = &mut bodies[at];
+            let held = onward.held(body.velocity, sides.iter().copied());
+            if held != body.velocity {
+                body.free += held - body.velocity;
+                body.velocity = held;
+            }
+            // What else has changed its velocity since has not moved it by then.
+            if onward.time > 0.0 && !sides.is_empty() {
+                let goes = (held + onward.faster) * onward.left;
+                body.position = onward.place + goes - held * setting.substep;
+            }
+        }
+    }
+}
