@@ -33,7 +33,7 @@ const RAISED: u32 = 5;
 /// The length of ticks, px.
 const TICK: u32 = 4;
 /// Where a guide's name may begin, in shares of its line: the first of those where least is in its way.
-const NAME_AT: [f64; 13] = [0.8, 0.75, 0.7, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4, 0.35, 0.3, 0.25, 0.2];
+const NAME_AT: [f64; 15] = [0.8, 0.75, 0.85, 0.7, 0.9, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4, 0.35, 0.3, 0.25, 0.2];
 /// How far a name keeps from what is drawn, px.
 const CLEAR: i32 = 3;
 
@@ -174,12 +174,13 @@ fn draw_guide<DB: DrawingBackend>(
     let style = text(NOTE, scale, GREY).pos(Pos::new(HPos::Left, VPos::Bottom));
     let size = chart.plotting_area().estimate_text_size(&guide.label, &style).map_err(told)?;
     let (width, height, clear) = (size.0 as i32, size.1 as i32, CLEAR * scale as i32);
-    let others = in_the_way(chart, panel, guide);
+    let (others, right) = (in_the_way(chart, panel, guide), chart.plotting_area().get_pixel_range().0.end);
     let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
     let crossed = |share: &f64| {
         let (x, y) = chart.backend_coord(&at(*share));
         let (across, down) = (x - clear..x + width + clear, y - height - clear..y + clear);
-        others.iter().filter(|(x, y)| across.contains(x) && down.contains(y)).count()
+        let is_outside = across.end > right;
+        (is_outside, others.iter().filter(|(x, y)| across.contains(x) && down.contains(y)).count())
     };
     let share = NAME_AT.into_iter().min_by_key(crossed).unwrap_or(NAME_AT[0]);
     chart.draw_series([Text::new(guide.label.clone(), at(share), style)]).map_err(told)?;

@@ -344,12 +344,13 @@ mod tests {
     #[test]
     fn no_line_crosses_a_guides_name_where_there_is_a_place_for_it() {
         carry_font().unwrap();
-        // A curve that falls steeply, and a mark whose spread goes from end to end.
+        // A curve that falls steeply, a mark whose spread goes from end to end, and a curve that goes along most of the guide.
         let steep = (0..30).map(|step| 10_f64.powf(-6.0 + f64::from(step) / 10.0));
         let steep = steep.map(|x| vec![Dot::at(x, 10.0), Dot::at(1.02 * x, 1e-13)]);
         let level = (0..28).map(|step| 10_f64.powf(1.0 - f64::from(step) / 2.0));
         let level = level.map(|y| vec![Dot { spread: Some((1e-6, 1e-3)), ..Dot::at(1e-6, y) }]);
-        for dots in steep.chain(level) {
+        let along = vec![Dot::at(2e-6, 6.5), Dot::at(2.9e-4, 1.3e-5 / 2.9e-4)];
+        for dots in steep.chain(level).chain([along]) {
             let mut figure = figure();
             figure.columns = 1;
             figure.panels.truncate(1);
