@@ -25,6 +25,8 @@ const NUMBER: u32 = 15;
 const NOTE: u32 = 14;
 /// The height of a note's line, px.
 const NOTE_LINE: u32 = 16;
+/// Half the size of the largest mark, px.
+const MARK: u32 = 6;
 /// The radius of a ring, px.
 const RING: u32 = 8;
 /// The size of exponents, and how far their middle is above that of what they raise, px.
@@ -33,7 +35,8 @@ const RAISED: u32 = 5;
 /// The length of ticks, px.
 const TICK: u32 = 4;
 /// Where a guide's name may begin, in shares of its line: the first of those where least is in its way.
-const NAME_AT: [f64; 15] = [0.8, 0.75, 0.85, 0.7, 0.9, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4, 0.35, 0.3, 0.25, 0.2];
+const NAME_AT: [f64; 16] =
+    [0.8, 0.75, 0.85, 0.88, 0.7, 0.91, 0.65, 0.6, 0.55, 0.5, 0.45, 0.4, 0.35, 0.3, 0.25, 0.2];
 /// How far a name keeps from what is drawn, px.
 const CLEAR: i32 = 3;
 
@@ -174,7 +177,8 @@ fn draw_guide<DB: DrawingBackend>(
     let style = text(NOTE, scale, GREY).pos(Pos::new(HPos::Left, VPos::Bottom));
     let size = chart.plotting_area().estimate_text_size(&guide.label, &style).map_err(told)?;
     let (width, height, clear) = (size.0 as i32, size.1 as i32, CLEAR * scale as i32);
-    let (others, right) = (in_the_way(chart, panel, guide), chart.plotting_area().get_pixel_range().0.end);
+    let (others, right) =
+        (in_the_way(chart, panel, guide, scale), chart.plotting_area().get_pixel_range().0.end);
     let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
     let crossed = |share: &f64| {
         let (x, y) = chart.backend_coord(&at(*share));
@@ -187,8 +191,13 @@ fn draw_guide<DB: DrawingBackend>(
     Ok(())
 }
 
-/// The pixels of all lines in a panel but this guide's own, and the middles of its marks.
-fn in_the_way<DB: DrawingBackend>(chart: &Chart<'_, DB>, panel: &Panel, guide: &Guide) -> Vec<(i32, i32)> {
+/// The pixels of all lines in a panel but this guide's own, and the middles and edges of its marks.
+fn in_the_way<DB: DrawingBackend>(
+    chart: &Chart<'_, DB>,
+    panel: &Panel,
+    guide: &Guide,
+    scale: u32,
+) -> Vec<(i32, i32)> {
     let guides = panel.guides.iter().filter(|other| *other != guide).filter_map(|other| ends(panel, other));
     let mut lines: Vec<Vec<(f64, f64)>> = guides.map(|ends| ends.to_vec()).collect();
     for dots in panel.curves.iter().map(|curve| &curve.dots) {
@@ -206,6 +215,11 @@ fn in_the_way<DB: DrawingBackend>(chart: &Chart<'_, DB>, panel: &Panel, guide: &
             pixels.extend((0..steps).map(|step| (x + across * step / steps, y + down * step / steps)));
         }
         pixels.extend(corners.last());
+    }
+    let half = MARK as i32 * scale as i32;
+    for dot in panel.curves.iter().flat_map(|curve| &curve.dots) {
+        let (x, y) = chart.backend_coord(&(panel.x.place(dot.x), panel.y.place(dot.y)));
+        pixels.extend([(x - half, y), (x + half, y), (x, y - half), (x, y + half)]);
     }
     pixels
 }
@@ -251,7 +265,7 @@ fn draw_marks<DB: DrawingBackend>(
     match mark {
         Mark::Circle => chart.draw_series(places.map(|at| Circle::new(at, 4 * scale, fill))).map(drop),
         Mark::Triangle => {
-            chart.draw_series(places.map(|at| TriangleMarker::new(at, 6 * scale, fill))).map(drop)
+            chart.draw_series(places.map(|at| TriangleMarker::new(at, MARK * scale, fill))).map(drop)
         }
         Mark::Square => {
             let square = |at: (f64, f64)| {
@@ -315,7 +329,7 @@ fn entry<DB: DrawingBackend>(
     let (at, half) = ((x + 16 * px, y), 4 * px);
     match mark {
         Mark::Circle => area.draw(&Circle::new(at, 4 * scale, fill)),
-        Mark::Triangle => area.draw(&TriangleMarker::new(at, 6 * scale, fill)),
+        Mark::Triangle => area.draw(&TriangleMarker::new(at, MARK * scale, fill)),
         Mark::Square => {
             let corners = [(at.0 - half, at.1 - half), (at.0 + half, at.1 + half)];
             area.draw(&Rectangle::new(corners, fill))
