@@ -27,11 +27,13 @@ const NEAR: f64 = 0.25;
 /// At least this part of a substep is left after an impact.
 const LEFT: f64 = 1e-6;
 
-/// A ball between such, as it is after its impacts.
-#[derive(Debug, Clone, Copy)]
+/// A ball between such.
+#[derive(Debug)]
 pub(super) struct Between {
     body: usize,
     onward: Onward,
+    /// What is firm and near it there.
+    sides: Vec<Side>,
     /// Whether it may not have been hit as often as it would have been.
     spent: bool,
 }
@@ -171,7 +173,8 @@ impl Setting {
         let mut sides = Vec::new();
         for number in all.of_body(at) {
             let (stripe, start) = (&all.list[number], all.layout.start(number));
-            for pair_at in stripe.links.of((at - start) as u32) {
+            let pairs = stripe.links.of((at - start) as u32);
+            for pair_at in pairs.filter(|&pair| stripe.marks[pair].has(Marks::STILL)) {
                 let pair = stripe.pairs[pair_at].from(start);
                 let other = if pair.first as usize == at { pair.second } else { pair.first } as usize;
                 if rests[other].own == 0.0 {
@@ -227,7 +230,7 @@ impl Stage<'_> {
 impl Contact {
     /// Finds the balls between firm things at the substep's beginning, in their order, and lets what held them in the last one drive
     /// them into none.
-    pub(super) fn find_between(&mut self) -> Vec<usize> {
+    pub(super) fn find_between(&mut self) -> Vec<Between> {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return Vec::new() };
         if !setting.has_fixed || setting.kick == DVec2::ZERO {
             return Vec::new();
@@ -256,29 +259,35 @@ impl Contact {
             }
         }
         if between.is_empty() {
-            return between;
+            return Vec::new();
         }
         near.link_pairs(bodies.len());
         let mut all = near.all();
-        between.retain(|&at| {
+        let balanced = |at: usize| {
             let sides = setting.sides(at, bodies[at].position, bodies, rests, &all);
             setting.balance(at, &mut bodies[at], &sides, &mut all);
-            !sides.is_empty()
-        });
-        between
+            let onward = Onward::of(setting, &bodies[at], 0.0);
+            (!sides.is_empty()).then_some(Between { body: at, onward, sides, spent: false })
+        };
+        between.into_iter().filter_map(balanced).collect()
     }
 
-    /// How these go on after their impacts. Those that are fast are left as they are.
-    pub(super) fn onward_between(&self, between: &[usize]) -> Vec<Between> {
-        let Self { setting, bodies, restitutions, near: Some(near), .. } = self else { return Vec::new() };
-        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
-        let onward_of = |&body: &usize| {
-            let fate = self.course.fates.get(body).copied().unwrap_or_default();
-            let onward = Onward::of(setting, &bodies[body], fate.time);
-            let spent = limits.may_be_spent(&fate, restitutions[body]);
-            (!fate.fast && fate.shift != Shift::Far).then_some(Between { body, onward, spent })
+    /// Finds how these go on after their impacts. Those that are fast are left as they are.
+    pub(super) fn look_onward(&mut self, between: &mut Vec<Between>) {
+        let Self { setting, bodies, restitutions, rests, near: Some(near), course, .. } = self else {
+            return;
         };
-        between.iter().filter_map(onward_of).collect()
+        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
+        let all = near.all();
+        between.retain_mut(|Between { body, onward, sides, spent }| {
+            let fate = course.fates.get(*body).copied().unwrap_or_default();
+            *onward = Onward::of(setting, &bodies[*body], fate.time);
+            *spent = limits.may_be_spent(&fate, restitutions[*body]);
+            if fate.hits > 0 {
+                *sides = setting.sides(*body, onward.place, bodies, rests, &all);
+            }
+            !(sides.is_empty() || fate.fast || fate.shift == Shift::Far)
+        });
     }
 
     /// Stops these before the passes and after them. What is left of the passes.
@@ -292,26 +301,22 @@ impl Contact {
         [Pass::NOTHING; 2]
     }
 
-    /// Stops these. Their pairs must be linked.
     fn stop(&mut self, between: &[Between]) {
-        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
-        let all = near.all();
-        for &Between { body: at, onward, spent } in between {
-            if bodies[at].is_free() && !spent {
+        for Between { body, onward, sides, spent } in between {
+            let body = &mut self.bodies[*body];
+            if body.is_free() && !spent {
                 // Its impacts have seen to it.
                 continue;
             }
-            let sides = setting.sides(at, onward.place, bodies, rests, &all);
-            let body = &mut bodies[at];
             let held = onward.held(body.velocity, sides.iter().copied());
             if held != body.velocity {
                 body.free += held - body.velocity;
                 body.velocity = held;
             }
             // What else has changed its velocity since has not moved it by then.
-            if onward.time > 0.0 && !sides.is_empty() {
+            if onward.time > 0.0 {
                 let goes = (held + onward.faster) * onward.left;
-                body.position = onward.place + goes - held * setting.substep;
+                body.position = onward.place + goes - held * self.setting.substep;
             }
         }
     }

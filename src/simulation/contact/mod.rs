@@ -247,11 +247,11 @@ impl Contact {
         self.note_common();
         self.note_start();
         self.note_room();
-        let between = self.find_between();
+        let mut between = self.find_between();
         self.impacts(tally);
         if self.setting.can_rest {
             self.slow_counted();
-            let between = self.onward_between(&between);
+            self.look_onward(&mut between);
             self.find_keeping();
             self.support();
             // Without what has nothing to do: threads would wait for each other to find that out.
