@@ -61,8 +61,12 @@ fn large_balls_wedged_in_among_small_ones_come_to_rest() {
     }
 }
 
-/// What each of these balls does that lie in wedges, or fall into them: it lies still there, and not in others.
-fn lie_still(case: &str, mut wedges: Simulation) {
+/// Balls that lie in wedges, or fall into them, lie still there, and not in others; where they may, they sleep.
+fn lie_still(case: &str, wedges: Simulation) {
+    let mut asleep = wedges.clone();
+    asleep.advance(5.0).unwrap();
+    assert_eq!(fastest(&asleep), 0.0, "{case}: some do not sleep");
+    let mut wedges = wedges.with_sleep(false);
     wedges.advance(2.0).unwrap();
     let (mut fastest_of_all, mut deepest) = (0.0_f64, 0.0_f64);
     for _ in 0..60 {
@@ -86,7 +90,7 @@ fn lie_still_in_wedges(count: u32, (slope, flatness): (f64, f64), above: f64) {
     };
     let world = world(33.0 * f64::from(columns), 17.0 * f64::from(columns) + 53.0, 0.5);
     let world = world.with_gravity(EARTH).unwrap();
-    let wedges = simulation(world, (0..count).flat_map(wedge).collect()).with_sleep(false);
+    let wedges = simulation(world, (0..count).flat_map(wedge).collect());
     lie_still(&format!("{count}, {flatness}° from flat, at a slope of {slope}°, from {above} px"), wedges);
 }
 
@@ -126,8 +130,27 @@ fn a_ball_in_a_flat_wedge_of_a_wall_and_a_fixed_ball_lies_still() {
                 [ball(here.x, here.y, 5.0), ball(below.x, below.y, 5.0).fixed()]
             };
             let world = world(400.0, 33.0 * f64::from(count) + 40.0, 0.5).with_gravity(EARTH).unwrap();
-            let wedges = simulation(world, (0..count).flat_map(wedge).collect()).with_sleep(false);
+            let wedges = simulation(world, (0..count).flat_map(wedge).collect());
             lie_still(&format!("{count}, {flatness}° from flat"), wedges);
+        }
+    }
+}
+
+/// A ball on two fixed ones, under a third that it nearly touches.
+#[test]
+fn a_ball_in_its_seat_under_a_lid_lies_still() {
+    for gravity in [10.0, 980.0, 5000.0] {
+        for gap in [0.0, 1e-9, 1e-3, 0.1, 1.0] {
+            for slope in [20.0, 45.0, 70.0] {
+                let at =
+                    |degrees: f64| DVec2::new(100.0, 100.0) + 20.0 * DVec2::from_angle(degrees.to_radians());
+                let fixed = |place: DVec2| ball(place.x, place.y, 10.0).fixed();
+                let lid = ball(100.0, 80.0 - gap, 10.0).fixed();
+                let seat = vec![ball(100.0, 100.0, 10.0), fixed(at(slope)), fixed(at(180.0 - slope)), lid];
+                let world = world(200.0, 200.0, 0.5).with_gravity(DVec2::new(0.0, gravity)).unwrap();
+                let case = format!("{gravity} px/s², {gap} px below the lid, at {slope}°");
+                lie_still(&case, simulation(world, seat));
+            }
         }
     }
 }

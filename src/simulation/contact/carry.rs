@@ -80,7 +80,7 @@ impl Stripe {
             let its = &carrying[ends[0] as usize..ends[1] as usize];
             let Some(&first) = its.first() else { continue };
             let upper = constraints[first as usize].pair.first as usize;
-            if WEDGES && stop_in_wedge(setting, upper, constraints, bodies, its, wedging, faced) {
+            if WEDGES && stop_in_wedge(upper, constraints, bodies, its, wedging, faced) {
                 continue;
             }
             match *its {

@@ -3,9 +3,9 @@
 //! substeps, and impacts come ever more often there (inelastic collapse; Bernu & Mazighi 1990), so that more are left than are
 //! taken: before either had stopped it, it would be through.
 //!
-//! So what would take it into them is taken from its velocity: before impacts, as far as what held it in the last substep would drive
-//! it there; after each, as far as no other is to come of it; and when all has been held apart. What is left is the nearest velocity
-//! that takes it into none.
+//! So what would take it into them is taken from its velocity: after each impact, as far as no other is to come of it, and when all
+//! has been held apart. What is left is the nearest velocity that takes it into none. What is fast, and what a fast one hit, is left
+//! as it is.
 
 use glam::DVec2;
 
@@ -41,8 +41,7 @@ pub(super) struct Between {
 /// How a ball goes on after it was hit.
 #[derive(Debug, Clone, Copy)]
 struct Onward {
-    /// When it was hit for the last time, s after the substep's beginning, and where it was then.
-    time: f64,
+    /// Where it was hit for the last time.
     place: DVec2,
     /// By how much it is faster since then, in the mean, than through the substep.
     faster: DVec2,
@@ -56,7 +55,6 @@ impl Onward {
         // Only what nothing holds goes along its parabola.
         let change = if body.is_free() { body.change(setting.kick) } else { DVec2::ZERO };
         Self {
-            time,
             place: body.end(time) + change * (0.5 * time * (part - 1.0)),
             faster: change * (0.5 * part),
             left: (setting.substep - time).max(LEFT * setting.substep),
@@ -67,7 +65,7 @@ impl Onward {
     fn held(&self, velocity: DVec2, sides: impl Iterator<Item = Side> + Clone) -> DVec2 {
         let floors = sides.map(|Side { up, gap, .. }| Floor { up, least: -gap.max(0.0) / self.left });
         let goes = velocity + self.faster;
-        let (held, _) = held_between(goes, &floors);
+        let held = held_between(goes, &floors);
         if held == goes { velocity } else { held - self.faster }
     }
 }
@@ -83,69 +81,7 @@ struct Side {
     pair: Option<(usize, usize, usize)>,
 }
 
-impl Side {
-    /// What it gave a ball in the last substep, px/s.
-    fn given(&self, at: usize, body: &Body, all: &Stripes<'_>) -> DVec2 {
-        if let Some((number, pair, _)) = self.pair {
-            let given = all.list[number].constraint(pair).map(|constraint| {
-                let sign =
-                    if all.layout.start(number) + constraint.pair.first as usize == at { 1.0 } else { -1.0 };
-                (constraint.normal * constraint.impulse + constraint.grip) * (sign * body.inverse_mass)
-            });
-            return given.unwrap_or_default();
-        }
-        let (number, own) = all.layout.place_of(at);
-        let stripe = &all.list[number];
-        let push = stripe.place_beside(own).map(|place| stripe.beside[place].push).unwrap_or_default();
-        self.up * push.dot(self.up).max(0.0)
-    }
-
-    /// Has it give so much instead, px/s. Whether that is kept.
-    fn give(&self, at: usize, body: &Body, added: f64, all: &mut Stripes<'_>) -> bool {
-        let given = self.given(at, body, all);
-        if let Some((number, pair, _)) = self.pair {
-            let start = all.layout.start(number);
-            let Some(constraint) = all.list[number].constraint_mut(pair) else { return false };
-            let sign = if start + constraint.pair.first as usize == at { 1.0 } else { -1.0 };
-            (constraint.normal, constraint.grip) = (self.up * sign, DVec2::ZERO);
-            constraint.impulse = added / body.inverse_mass;
-            return true;
-        }
-        let (number, own) = all.layout.place_of(at);
-        let stripe = &mut all.list[number];
-        let Some(place) = stripe.place_beside(own) else { return false };
-        stripe.beside[place].push += self.up * added - given;
-        true
-    }
-}
-
 impl Setting {
-    /// Finds anew what these sides gave a ball in the last substep: so much that what else gave it something does not drive it into
-    /// them. What falls there by itself is to bounce.
-    fn balance(&self, at: usize, body: &mut Body, sides: &[Side], all: &mut Stripes<'_>) {
-        if sides.is_empty() || body.is_free() {
-            return;
-        }
-        let free = body.free;
-        let mut by_others = body.velocity - free;
-        for side in sides {
-            by_others -= side.given(at, body, all);
-        }
-        let floors = sides.iter().map(|&Side { up, gap, .. }| Floor {
-            up,
-            least: (-gap.max(0.0) / self.substep - free.dot(up)).min(0.0),
-        });
-        let (held, by) = held_between(by_others, &floors);
-        for (number, side) in sides.iter().enumerate() {
-            let added = by.iter().filter(|(by, _)| *by == number).map(|(_, added)| added).sum();
-            if !side.give(at, body, added, all) {
-                // Nothing keeps it for the next substep.
-                body.free += side.up * added;
-            }
-        }
-        body.velocity = free + held;
-    }
-
     /// How far what is near a body may be, px.
     fn near(&self, body: &Body) -> f64 {
         NEAR * body.radius + body.velocity.length() * self.substep
@@ -228,9 +164,8 @@ impl Stage<'_> {
 }
 
 impl Contact {
-    /// Finds the balls between firm things at the substep's beginning, in their order, and lets what held them in the last one drive
-    /// them into none.
-    pub(super) fn find_between(&mut self) -> Vec<Between> {
+    /// The balls that may be between firm things at the substep's beginning, in their order.
+    pub(super) fn find_between(&mut self) -> Vec<usize> {
         let Self { setting, bodies, rests, near: Some(near), .. } = self else { return Vec::new() };
         if !setting.has_fixed || setting.kick == DVec2::ZERO {
             return Vec::new();
@@ -245,7 +180,8 @@ impl Contact {
                 let (fixed, at) = if rests[first].own == 0.0 { (first, second) } else { (second, first) };
                 let (fixed_ball, body) = (&bodies[fixed], &bodies[at]);
                 let reach = body.radius + fixed_ball.radius + setting.near(body);
-                let moves = rests[fixed].own == 0.0 && body.inverse_mass > 0.0;
+                // What sleeps may be woken by a hit.
+                let moves = rests[fixed].own == 0.0 && rests[at].own > 0.0;
                 (moves && body.position.distance_squared(fixed_ball.position) < reach * reach).then_some(at)
             }));
         }
@@ -258,36 +194,28 @@ impl Contact {
                 between.push(balls[0]);
             }
         }
-        if between.is_empty() {
-            return Vec::new();
+        if !between.is_empty() {
+            near.link_pairs(bodies.len());
         }
-        near.link_pairs(bodies.len());
-        let mut all = near.all();
-        let balanced = |at: usize| {
-            let sides = setting.sides(at, bodies[at].position, bodies, rests, &all);
-            setting.balance(at, &mut bodies[at], &sides, &mut all);
-            let onward = Onward::of(setting, &bodies[at], 0.0);
-            (!sides.is_empty()).then_some(Between { body: at, onward, sides, spent: false })
-        };
-        between.into_iter().filter_map(balanced).collect()
+        between
     }
 
-    /// Finds how these go on after their impacts. Those that are fast are left as they are.
-    pub(super) fn look_onward(&mut self, between: &mut Vec<Between>) {
+    /// How these go on after their impacts, and between what. Those that are fast are left as they are.
+    pub(super) fn look_onward(&mut self, between: Vec<usize>) -> Vec<Between> {
         let Self { setting, bodies, restitutions, rests, near: Some(near), course, .. } = self else {
-            return;
+            return Vec::new();
         };
         let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
         let all = near.all();
-        between.retain_mut(|Between { body, onward, sides, spent }| {
-            let fate = course.fates.get(*body).copied().unwrap_or_default();
-            *onward = Onward::of(setting, &bodies[*body], fate.time);
-            *spent = limits.may_be_spent(&fate, restitutions[*body]);
-            if fate.hits > 0 {
-                *sides = setting.sides(*body, onward.place, bodies, rests, &all);
-            }
-            !(sides.is_empty() || fate.fast || fate.shift == Shift::Far)
-        });
+        let look = |body: usize| {
+            let fate = course.fates.get(body).copied().unwrap_or_default();
+            let onward = Onward::of(setting, &bodies[body], fate.time);
+            let sides = setting.sides(body, onward.place, bodies, rests, &all);
+            let left_out = sides.is_empty() || fate.fast || fate.shift == Shift::Far;
+            let spent = limits.may_be_spent(&fate, restitutions[body]);
+            (!left_out).then_some(Between { body, onward, sides, spent })
+        };
+        between.into_iter().filter_map(look).collect()
     }
 
     /// Stops these before the passes and after them. What is left of the passes.
@@ -312,11 +240,6 @@ impl Contact {
             if held != body.velocity {
                 body.free += held - body.velocity;
                 body.velocity = held;
-            }
-            // What else has changed its velocity since has not moved it by then.
-            if onward.time > 0.0 {
-                let goes = (held + onward.faster) * onward.left;
-                body.position = onward.place + goes - held * self.setting.substep;
             }
         }
     }

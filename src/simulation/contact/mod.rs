@@ -8,8 +8,8 @@
 //!    where they are held (`weights`), if anything may carry any; the velocity that all have in common where nothing does is noted
 //!    (`common`);
 //! 3. balls that meet exchange momentum at their time of impact (`turns`, `stripe_turn`, `rewind`, `events`,
-//!    `fates`, `impacts`, `ending`, `meeting`, `together`, `walls`); what lies between fixed ones is kept out of them, then and
-//!    until all is held (`firm`);
+//!    `fates`, `impacts`, `ending`, `meeting`, `together`, `walls`); what lies between fixed ones, or one and a wall, is kept out
+//!    of them, then and until all is held (`firm`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
 //!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`,
 //!    `wedges`); what counts as heavier than it is, and is fast, is slowed down before;
@@ -118,8 +118,8 @@ struct Setting {
     can_rest: bool,
     /// Whether any ball is fixed.
     has_fixed: bool,
-    /// In how flat a wedge balls are stopped at once, as a cosine (`wedges`); in none in deep piles, which come to rest later so.
-    flat: Option<f64>,
+    /// How flat a wedge under a ball asleep counts as flat, as a cosine (`wedges`); none in deep piles, which come to rest later so.
+    flat_under_sleeper: Option<f64>,
     /// Whether something may carry balls in this substep that falls with none of them: a fixed one, or a wall near any.
     grounded: bool,
     /// The velocity through the substep that all balls have in common, px/s, where nothing carries any: how fast they are
@@ -247,11 +247,11 @@ impl Contact {
         self.note_common();
         self.note_start();
         self.note_room();
-        let mut between = self.find_between();
+        let between = self.find_between();
         self.impacts(tally);
         if self.setting.can_rest {
             self.slow_counted();
-            self.look_onward(&mut between);
+            let between = self.look_onward(between);
             self.find_keeping();
             self.support();
             // Without what has nothing to do: threads would wait for each other to find that out.

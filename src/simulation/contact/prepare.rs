@@ -41,7 +41,7 @@ impl Stripe {
         let touching = Marks::LIVE | still | Marks::UNLIKE_IN_SIZE | Marks::UNLIKE_IN_DENSITY;
         if !self.carrying_for.stands(&self.marks, touching, self.constraints.len()) {
             self.gather_carrying();
-            self.gather_wedging(setting);
+            self.gather_wedging(setting, share.rests);
             self.deal_touching();
         }
     }

@@ -66,7 +66,7 @@ pub(super) struct Stripe {
     pub(super) distances: Vec<f64>,
     /// What carries the ball that is looked at, and how much each adds to its velocity.
     pub(super) floors: Vec<(Floor, f64)>,
-    /// The same with what faces that.
+    /// What is above the ball that is looked at and faces what carries it, and what does, as floors.
     pub(super) faced: Vec<Floor>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
     pub(super) disturbed: Vec<(u32, f64)>,

@@ -21,7 +21,7 @@ use super::softness::Softness;
 use super::stripes::of_layer;
 use super::sweep::Pass;
 use super::unlike::Unlike;
-use super::wedges::FLAT;
+use super::wedges::FLAT_UNDER_SLEEPER;
 use super::{Contact, Setting, can_rest};
 
 /// Beats in a second, at least.
@@ -187,7 +187,7 @@ impl Setting {
             kick: DVec2::ZERO,
             can_rest: can_rest(world, balls),
             has_fixed,
-            flat: (!substeps.deep).then_some(FLAT),
+            flat_under_sleeper: (!substeps.deep).then_some(FLAT_UNDER_SLEEPER),
             grounded: has_fixed || world.walls.is_some(),
             common: DVec2::ZERO,
             firm: 0.0,

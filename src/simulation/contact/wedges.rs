@@ -12,12 +12,14 @@ use glam::DVec2;
 
 use super::carry::Floor;
 use super::constraints::{Constraint, Marks};
+use super::sleep::Rest;
 use super::stripes::Stripe;
 use super::{Body, Setting};
 
-/// A wedge is flat where what is above faces what carries the ball to within an angle of this cosine: 14°. What others hold, sweeps
-/// find soon; if they were stopped so, too, piles would come to rest later.
-pub(super) const FLAT: f64 = 0.97;
+/// A wedge is flat where what is above faces what carries the ball to within an angle of this cosine: 30° under a fixed ball, 14° under
+/// one asleep. What others hold, sweeps find soon; if they were stopped so, too, piles would come to rest later.
+const FLAT_UNDER_FIXED: f64 = 0.87;
+pub(super) const FLAT_UNDER_SLEEPER: f64 = 0.97;
 /// By so much of a ball's speed it may still go into what holds it: what rounding leaves in flat wedges.
 const ROUNDING: f64 = 1e-9;
 
@@ -28,19 +30,23 @@ pub(super) struct Wedging {
     lower: u32,
     /// The place of its constraint.
     at: u32,
+    /// How flat a wedge under the upper one counts as flat, as a cosine.
+    flat: f64,
 }
 
 impl Stripe {
-    /// Gathers such pairs in the order of their lower balls, where wedges are looked for.
-    pub(super) fn gather_wedging(&mut self, setting: &Setting) {
+    /// Gathers such pairs in the order of their lower balls.
+    pub(super) fn gather_wedging(&mut self, setting: &Setting, rests: &[Rest]) {
         let Self { pairs, places_of_constraints, marks, wedging, .. } = self;
         wedging.clear();
-        if setting.flat.is_some() {
-            let still = marks.iter().zip(pairs).zip(&*places_of_constraints);
-            let still = still.filter(|((marks, _), _)| marks.touch() && marks.has(Marks::STILL));
-            wedging.extend(still.map(|((_, pair), &at)| Wedging { lower: pair.second, at }));
-            wedging.sort_unstable_by_key(|wedging| (wedging.lower, wedging.at));
-        }
+        let still = marks.iter().zip(pairs).zip(&*places_of_constraints);
+        let still = still.filter(|((marks, _), _)| marks.touch() && marks.has(Marks::STILL));
+        wedging.extend(still.filter_map(|((_, pair), &at)| {
+            let is_fixed = rests[pair.first as usize].own == 0.0;
+            let flat = if is_fixed { Some(FLAT_UNDER_FIXED) } else { setting.flat_under_sleeper };
+            flat.map(|flat| Wedging { lower: pair.second, at, flat })
+        }));
+        wedging.sort_unstable_by_key(|wedging| (wedging.lower, wedging.at));
     }
 }
 
@@ -50,7 +56,6 @@ impl Stripe {
 /// Not inlined: few balls lie so.
 #[inline(never)]
 pub(super) fn stop_in_wedge(
-    setting: &Setting,
     ball: usize,
     constraints: &[Constraint],
     bodies: &mut [Body],
@@ -58,11 +63,10 @@ pub(super) fn stop_in_wedge(
     wedging: &[Wedging],
     floors: &mut Vec<Floor>,
 ) -> bool {
-    let Some(flat) = setting.flat else { return false };
     let from = wedging.partition_point(|wedging| (wedging.lower as usize) < ball);
     let above = wedging[from..].iter().take_while(|wedging| wedging.lower as usize == ball);
     floors.clear();
-    floors.extend(above.filter_map(|&Wedging { at, .. }| {
+    floors.extend(above.filter_map(|&Wedging { at, flat, .. }| {
         let Constraint { pair, normal, least, .. } = constraints[at as usize];
         // It may be the other one that cannot be moved.
         let is_firm = bodies[pair.first as usize].inverse_mass == 0.0;
@@ -74,44 +78,37 @@ pub(super) fn stop_in_wedge(
     }
     floors.extend(its.iter().map(|&at| Floor::under(constraints, bodies, at)));
     let body = &mut bodies[ball];
-    let change = held_between(body.velocity, &floors.iter().copied()).0 - body.velocity;
+    let change = held_between(body.velocity, &floors.iter().copied()) - body.velocity;
     // Nothing is passed on to what it presses on.
     body.velocity += change;
     body.free += change;
     true
 }
 
-/// The velocity that is nearest to this one of those that sink into no floor, and which floors, by their numbers, add how much of it.
-/// That is a projection onto a convex set, of which one or two floors bound what is nearest. A velocity of 0 sinks into none, so it
-/// only ever becomes less.
-pub(super) fn held_between(
-    velocity: DVec2,
-    floors: &(impl Iterator<Item = Floor> + Clone),
-) -> (DVec2, [(usize, f64); 2]) {
+/// The velocity that is nearest to this one of those that sink into no floor. That is a projection onto a convex set, of which one or
+/// two floors bound what is nearest. A velocity of 0 sinks into none, so it only ever becomes less.
+pub(super) fn held_between(velocity: DVec2, floors: &(impl Iterator<Item = Floor> + Clone)) -> DVec2 {
     let slack = ROUNDING * velocity.length();
     let holds = |held: &DVec2| floors.clone().all(|floor| held.dot(floor.up) >= floor.least - slack);
     if holds(&velocity) {
-        return (velocity, [(0, 0.0); 2]);
+        return velocity;
     }
-    let numbered = floors.clone().enumerate();
-    let on_one = numbered.clone().filter_map(|(number, floor)| {
+    let on_one = floors.clone().filter_map(|floor| {
         let added = floor.least - velocity.dot(floor.up);
-        let held = Some(velocity + floor.up * added).filter(|held| added > 0.0 && holds(held))?;
-        Some((held, [(number, added), (number, 0.0)]))
+        Some(velocity + floor.up * added).filter(|held| added > 0.0 && holds(held))
     });
-    let on_two = numbered.clone().flat_map(|(number, one)| {
-        numbered.clone().take(number).filter_map(move |(before, other)| {
+    let on_two = floors.clone().enumerate().flat_map(|(number, one)| {
+        floors.clone().take(number).filter_map(move |other| {
             let sine = one.up.perp_dot(other.up);
             let held = (one.up.perp() * other.least - other.up.perp() * one.least) / sine;
             // Both push, and neither pulls.
             let change = held - velocity;
-            let pushes = [change.perp_dot(other.up) / sine, one.up.perp_dot(change) / sine];
-            let by = [(number, pushes[0]), (before, pushes[1])];
-            Some((held, by)).filter(|_| pushes.iter().all(|push| *push >= 0.0))
+            let pushes = [change.perp_dot(other.up), one.up.perp_dot(change)];
+            Some(held).filter(|_| pushes.iter().all(|push| push * sine >= 0.0))
         })
     });
     // Where rounding leaves none of a very flat wedge, it is that which sinks into nothing.
-    on_one.chain(on_two.filter(|(held, _)| holds(held))).next().unwrap_or_default()
+    on_one.chain(on_two.filter(holds)).next().unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -136,9 +133,7 @@ mod tests {
                     expected += floor.up * more;
                 }
             }
-            let (held, by) = held_between(velocity, &floors.iter().copied());
-            let added: DVec2 = by.into_iter().map(|(number, added)| floors[number].up * added).sum();
-            assert!((held - velocity).abs_diff_eq(added, 1e-9), "turn {turn}: {by:?}");
+            let held = held_between(velocity, &floors.iter().copied());
             assert!(held.abs_diff_eq(expected, 1e-6), "turn {turn}: {held} and {expected}");
         }
     }
@@ -149,7 +144,7 @@ mod tests {
             let ups = [DVec2::from_angle(0.35), DVec2::from_angle(0.35 + std::f64::consts::PI - flat)];
             let floors = ups.map(|up| Floor { up, least: 0.0 });
             let into = -(ups[0] + ups[1]).normalize_or(ups[0].perp());
-            let (held, _) = held_between(3.0 * into, &floors.into_iter());
+            let held = held_between(3.0 * into, &floors.into_iter());
             assert!(flat < 1e-8 || held.length() < 1e-6, "{flat} rad: {held}");
             assert!(floors.iter().all(|floor| held.dot(floor.up) > -1e-6), "{flat} rad: {held}");
         }
