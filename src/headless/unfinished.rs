@@ -1,8 +1,8 @@
 //! Files that are being written, each under a temporary name beside its place until it is whole.
 //!
 //! What is dropped before is removed, with the folders that were made for it. A program that is told to end by a signal
-//! drops nothing, so all of them stand in one list, and [`discard_unfinished`] removes what is there. Only what ends a program without a word (SIGKILL, a
-//! power failure) leaves such a file: its name begins with `.carom-`, and it may be deleted.
+//! drops nothing, so all of them stand in one list, and [`discard_unfinished`] removes what is there. Only what ends a program
+//! without a word (SIGKILL, a power failure) leaves such a file: its name begins with `.carom-`, and it may be deleted.
 
 use std::fs;
 use std::io::{self, Write};
@@ -19,8 +19,8 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes every output file that is not whole yet, and the folders made for them that are empty then, for a program that ends at once: none can be begun or put into its
-/// place from now on, and whoever tries waits for the end.
+/// Removes every output file that is not whole yet, and the folders made for them that are empty then, for a program that ends at
+/// once: none can be begun or put into its place from now on, and whoever tries waits for the end.
 pub fn discard_unfinished() {
     let unfinished = unfinished();
     for path in unfinished.iter().rev() {
