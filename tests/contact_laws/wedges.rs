@@ -155,10 +155,10 @@ fn a_ball_in_its_seat_under_a_lid_lies_still() {
     }
 }
 
-/// How many balls of radius 5 fall through a row of fixed ones of this radius that leave each so much less room than it needs, as a
-/// part of its size, when so many layers of them fall on it.
-fn fall_through(fixed: f64, narrower: f64, layers: u32, restitution: f64) -> usize {
-    let (gaps, radius) = (30, 5.0);
+/// Layers of balls of radius 5 above a row of fixed ones of this radius that leave each so much less room than it needs, as a part of
+/// its size, and the height of the row.
+fn sieve(gaps: u32, fixed: f64, narrower: f64, layers: u32, restitution: f64) -> (Simulation, f64) {
+    let radius = 5.0;
     let pitch = 2.0 * fixed + 2.0 * radius * (1.0 - narrower);
     let width = pitch * f64::from(gaps);
     let row = 200.0 + 2.1 * radius * f64::from(layers);
@@ -173,11 +173,15 @@ fn fall_through(fixed: f64, narrower: f64, layers: u32, restitution: f64) -> usi
     };
     let balls: Vec<_> = sieve.chain((0..columns * layers).map(place)).collect();
     let world = world(width, row + 2.0 * fixed + 100.0, 0.5).with_gravity(EARTH).unwrap();
-    let mut pile = simulation(world, balls);
-    for _ in 0..240 {
-        pile.advance(FRAME).unwrap();
+    (simulation(world, balls), row)
+}
+
+/// How many of them are through after so many seconds.
+fn fall_through((sieve, row): &mut (Simulation, f64), seconds: f64) -> usize {
+    for _ in 0..(seconds / FRAME) as u32 {
+        sieve.advance(FRAME).unwrap();
     }
-    pile.balls().iter().filter(|ball| !ball.is_fixed() && ball.position().y > row + 2.0).count()
+    sieve.balls().iter().filter(|ball| !ball.is_fixed() && ball.position().y > *row + 2.0).count()
 }
 
 /// Hundreds of them fell through.
@@ -186,9 +190,24 @@ fn no_ball_falls_through_a_gap_that_is_narrower_than_it_is() {
     for restitution in [0.0, 0.5, 0.9] {
         for fixed in [1.0, 5.0, 20.0] {
             for (narrower, layers) in [(0.1, 12), (0.02, 12), (0.005, 3)] {
-                let through = fall_through(fixed, narrower, layers, restitution);
+                let through = fall_through(&mut sieve(30, fixed, narrower, layers, restitution), 4.0);
                 assert_eq!(through, 0, "{narrower} narrower, between radii of {fixed}, e = {restitution}");
             }
+        }
+    }
+}
+
+/// A layer of them sleeps on such a row, and another ball, ten times as heavy, is thrown on it.
+#[test]
+fn no_ball_that_sleeps_on_a_gap_is_struck_through() {
+    for speed in [200.0, 500.0] {
+        for throw in 0..12 {
+            let mut layer = sieve(12, 5.0, 0.005, 1, 0.5);
+            assert_eq!(fall_through(&mut layer, 3.0), 0);
+            let x = layer.0.world().size().x * (0.3 + f64::from(throw) / 30.0);
+            let thrown = moving(ball(x, 60.0, 8.0), 0.0, speed).with_mass(10.0).unwrap();
+            layer.0.add(&[thrown.with_restitution(0.5).unwrap()]).unwrap();
+            assert_eq!(fall_through(&mut layer, 2.0), 0, "throw {throw} at {speed} px/s");
         }
     }
 }
