@@ -16,6 +16,12 @@ impl Pair {
         Self { first: self.first + start as u32, second: self.second + start as u32 }
     }
 
+    /// The other one of the two.
+    #[inline]
+    pub(super) fn other(self, ball: u32) -> u32 {
+        if self.first == ball { self.second } else { self.first }
+    }
+
     /// The same pair where balls are counted from `start` on.
     #[inline]
     pub(super) fn within(self, start: usize) -> Self {

@@ -17,11 +17,9 @@ use super::meeting::strike;
 use super::sleep::Rest;
 use super::stripes::Stripes;
 use super::sweep::Pass;
-use super::wedges::held_between;
+use super::wedges::{FLAT_UNDER_FIXED, held_between};
 use super::{Body, Contact, Setting};
 
-/// Two of them face each other, and may wedge a ball in, where the angle between where they look has less than this cosine: 150°.
-const FACING: f64 = -0.87;
 /// They are near a ball that is no farther from them than this part of its radius, and than it goes in a substep.
 const NEAR: f64 = 0.25;
 /// At least this part of a substep is left after an impact.
@@ -109,15 +107,14 @@ impl Setting {
         let mut sides = Vec::new();
         for number in all.of_body(at) {
             let (stripe, start) = (&all.list[number], all.layout.start(number));
-            let pairs = stripe.links.of((at - start) as u32);
-            for pair_at in pairs.filter(|&pair| stripe.marks[pair].has(Marks::STILL)) {
-                let pair = stripe.pairs[pair_at].from(start);
-                let other = if pair.first as usize == at { pair.second } else { pair.first } as usize;
+            let own = (at - start) as u32;
+            for pair in stripe.links.of(own).filter(|&pair| stripe.marks[pair].has(Marks::STILL)) {
+                let other = start + stripe.pairs[pair].other(own) as usize;
                 if rests[other].own == 0.0 {
                     let (up, distance) = (place - bodies[other].position).normalize_and_length();
                     let gap = distance - body.radius - bodies[other].radius;
                     if gap < near {
-                        sides.push(Side { up, gap, pair: Some((number, pair_at, other)) });
+                        sides.push(Side { up, gap, pair: Some((number, pair, other)) });
                     }
                 }
             }
@@ -125,8 +122,9 @@ impl Setting {
         if !sides.is_empty() {
             sides.extend(self.walls_near(body, place));
         }
-        let faces =
-            |(number, one): (usize, &Side)| sides[..number].iter().any(|other| one.up.dot(other.up) < FACING);
+        let faces = |(number, one): (usize, &Side)| {
+            sides[..number].iter().any(|other| -one.up.dot(other.up) > FLAT_UNDER_FIXED)
+        };
         if !sides.iter().enumerate().any(faces) {
             sides.clear();
         }

@@ -287,10 +287,8 @@ impl Stripes<'_> {
     pub(super) fn around(&self, body: usize) -> impl Iterator<Item = usize> {
         self.of_body(body).flat_map(move |number| {
             let (stripe, start) = (&self.list[number], self.layout.start(number));
-            stripe.links.of((body - start) as u32).map(move |at| {
-                let pair = stripe.pairs[at].from(start);
-                if pair.first as usize == body { pair.second as usize } else { pair.first as usize }
-            })
+            let own = (body - start) as u32;
+            stripe.links.of(own).map(move |at| start + stripe.pairs[at].other(own) as usize)
         })
     }
 

@@ -16,9 +16,9 @@ use super::sleep::Rest;
 use super::stripes::Stripe;
 use super::{Body, Setting};
 
-/// A wedge is flat where what is above faces what carries the ball to within an angle of this cosine: 30° under a fixed ball, 14° under
-/// one asleep. What others hold, sweeps find soon; if they were stopped so, too, piles would come to rest later.
-const FLAT_UNDER_FIXED: f64 = 0.87;
+/// A wedge is flat where what is above faces what carries the ball to within an angle of this cosine: 30° under or between fixed
+/// ones, 14° under one asleep. What others hold, sweeps find soon; if they were stopped so, too, piles would come to rest later.
+pub(super) const FLAT_UNDER_FIXED: f64 = 0.87;
 pub(super) const FLAT_UNDER_SLEEPER: f64 = 0.97;
 /// By so much of a ball's speed it may still go into what holds it: what rounding leaves in flat wedges.
 const ROUNDING: f64 = 1e-9;
