@@ -43,6 +43,9 @@ pub struct Cli {
     pub window: WindowArgs,
 }
 
+/// Words that are more like each other than this may be meant for each other.
+const ALIKE: f64 = 0.6;
+
 impl Cli {
     /// What the program was called with.
     ///
@@ -52,7 +55,7 @@ impl Cli {
         let words: Vec<_> = env::args_os().collect();
         let refused = |message| Self::command().error(ErrorKind::UnknownArgument, message);
         match Self::try_parse_from(&words) {
-            Ok(Self { command: None, window }) if commands().any(|name| name == window.scene) => {
+            Ok(Self { command: None, window }) if commands().contains(&window.scene) => {
                 Err(refused(comes_first(&window.scene)))
             }
             Err(error) if error.kind() == ErrorKind::ArgumentConflict => {
@@ -69,10 +72,10 @@ impl Cli {
 }
 
 /// The names of the commands that there are.
-fn commands() -> impl Iterator<Item = String> {
+fn commands() -> Vec<String> {
     let cli = Cli::command();
     let shown = cli.get_subcommands().filter(|command| !command.is_hide_set());
-    shown.map(|command| command.get_name().to_owned()).collect::<Vec<_>>().into_iter()
+    shown.map(|command| command.get_name().to_owned()).collect()
 }
 
 fn comes_first(command: &str) -> String {
@@ -81,22 +84,20 @@ fn comes_first(command: &str) -> String {
 
 /// What is wrong in a call with these words, where this one stands behind a scene.
 fn misplaced(word: &str, words: &[impl AsRef<str>]) -> String {
-    if let Some(command) = commands().find(|name| words.iter().any(|word| word.as_ref() == name)) {
-        return comes_first(&command);
+    let commands = commands();
+    if let Some(command) = commands.iter().find(|name| words.iter().any(|word| word.as_ref() == **name)) {
+        return comes_first(command);
     }
     let at = words.iter().position(|known| known.as_ref() == word).unwrap_or_default();
     let before =
         words[..at].iter().map(AsRef::as_ref).rfind(|word| !word.starts_with('-')).unwrap_or_default();
     let likeness = |name: &str| strsim::normalized_damerau_levenshtein(before, name);
-    let meant = commands().max_by(|one, other| likeness(one).total_cmp(&likeness(other)));
+    let meant = commands.iter().max_by(|one, other| likeness(one).total_cmp(&likeness(other)));
     match meant.filter(|name| likeness(name) > ALIKE) {
         Some(name) => format!("there is no command '{before}'; did you mean '{name}'?"),
         None => format!("'{word}' is one word too many; the window shows one scene"),
     }
 }
-
-/// Words that are more like each other than this may be meant for each other.
-const ALIKE: f64 = 0.6;
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
