@@ -200,8 +200,8 @@ fn in_the_way<DB: DrawingBackend>(
 ) -> Vec<(i32, i32)> {
     let guides = panel.guides.iter().filter(|other| *other != guide).filter_map(|other| ends(panel, other));
     let mut lines: Vec<Vec<(f64, f64)>> = guides.map(|ends| ends.to_vec()).collect();
+    let at = |x: f64, y: f64| (panel.x.place(x), panel.y.place(y));
     for dots in panel.curves.iter().map(|curve| &curve.dots) {
-        let at = |x: f64, y: f64| (panel.x.place(x), panel.y.place(y));
         lines.push(dots.iter().map(|dot| at(dot.x, dot.y)).collect());
         let spread = |dot: &Dot| dot.spread.map(|(least, most)| vec![at(least, dot.y), at(most, dot.y)]);
         lines.extend(dots.iter().filter_map(spread));
@@ -216,9 +216,9 @@ fn in_the_way<DB: DrawingBackend>(
         }
         pixels.extend(corners.last());
     }
-    let half = MARK as i32 * scale as i32;
+    let half = (MARK * scale) as i32;
     for dot in panel.curves.iter().flat_map(|curve| &curve.dots) {
-        let (x, y) = chart.backend_coord(&(panel.x.place(dot.x), panel.y.place(dot.y)));
+        let (x, y) = chart.backend_coord(&at(dot.x, dot.y));
         pixels.extend([(x - half, y), (x + half, y), (x, y - half), (x, y + half)]);
     }
     pixels
