@@ -4,6 +4,9 @@ use glam::DVec2;
 
 use super::super::ball::Ball;
 
+/// What holds a ball is rounding where it gives it less than this part of its speed, and of gravity's kick.
+const ROUNDING: f64 = 1e-13;
+
 /// A ball as the solver moves it: one cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
@@ -61,5 +64,32 @@ impl Body {
     #[inline]
     pub(super) fn change(&self, kick: DVec2) -> DVec2 {
         if self.inverse_mass > 0.0 { kick + (self.velocity - self.free) } else { DVec2::ZERO }
+    }
+
+    /// Has it be free where what seems to hold it is only what rounding has left of that.
+    #[inline]
+    pub(super) fn forget_rounding(&mut self, kick: DVec2) {
+        let largest = self.velocity.length_squared() + kick.length_squared();
+        if self.velocity.distance_squared(self.free) <= ROUNDING * ROUNDING * largest {
+            self.free = self.velocity;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rounding_leaves_of_what_held_a_ball_does_not_hold_it_and_what_little_does_goes_on() {
+        let kick = DVec2::new(0.0, 4.0);
+        for (left, is_free) in [(4e-15, true), (1e-12, true), (1e-9, false), (-4.0, false)] {
+            let mut body = Body::new(&Ball::new(DVec2::splat(50.0), 5.0).unwrap(), DVec2::ZERO);
+            body.velocity = DVec2::new(-100.0, left);
+            body.free = DVec2::new(-100.0, 0.0);
+            body.forget_rounding(kick);
+            assert_eq!(body.is_free(), is_free, "{left}");
+            assert_eq!(body.velocity.y, left);
+        }
     }
 }

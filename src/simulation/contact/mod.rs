@@ -84,7 +84,7 @@ use super::world::{Pairs, World};
 use super::{Tally, Tuning, within};
 use body::Body;
 use energy::Keeping;
-use find::Cargo;
+use find::{Cargo, FEW};
 use layout::{Layer, Layout};
 use near::Near;
 use parting::Parting;
@@ -314,7 +314,7 @@ impl Contact {
             // Nothing changes a velocity but impacts.
             return;
         }
-        let kick = setting.kick;
+        let (kick, few) = (setting.kick, bodies.len() <= FEW);
         // Not that of the last search: balls may have been added since.
         let layout = Layout::of(bodies.len());
         team.each(layout.share(Layer::Own, bodies), |bodies| {
@@ -323,6 +323,10 @@ impl Contact {
                     // Nothing presses: what held balls when they met is of no use any more.
                     body.free = body.velocity;
                     continue;
+                }
+                if few {
+                    // What flies is followed in closed form, again and again: of few balls each flight counts.
+                    body.forget_rounding(kick);
                 }
                 let change = body.change(kick);
                 body.free = body.velocity + if body.inverse_mass > 0.0 { kick } else { DVec2::ZERO };
