@@ -2,7 +2,8 @@
 //! (`substeps`, `demands`).
 //!
 //! A substep, in the order of its parts:
-//! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`);
+//! 1. gravity, and what held each ball in the last substep, change the velocities (`Contact::accelerate`); where few balls only fly
+//!    and lie on walls then, that is nearly all (`quiet`);
 //! 2. pairs that may touch before long are looked for, where the last search no longer covers them (`find`, `near`,
 //!    `constraints`, `order`; of single balls `cover`), and which balls are unlike those near them (`unlike`) and what they weigh
 //!    where they are held (`weights`), if anything may carry any; the velocity that all have in common where nothing does is noted
@@ -54,6 +55,7 @@ mod near;
 mod order;
 mod parting;
 mod prepare;
+mod quiet;
 mod rewind;
 mod room;
 mod rows;
@@ -88,6 +90,7 @@ use find::{Cargo, FEW};
 use layout::{Layer, Layout};
 use near::Near;
 use parting::Parting;
+use quiet::Across;
 use room::Room;
 use rows::Rows;
 use show::{Held, Start};
@@ -179,6 +182,8 @@ pub(super) struct Contact {
     room: Room,
     parting: Parting,
     rows: Rows,
+    /// Where they are few, their order across the world.
+    across: Across,
     /// Where contacts are only shown.
     shown: Option<Grid>,
     /// What happened to each body since the last frame.
@@ -218,6 +223,7 @@ impl Contact {
             room: Room::default(),
             parting: Parting::new(),
             rows: Rows::default(),
+            across: Across::default(),
             shown: (world.pairs == Some(Pairs::Detect)).then(|| Grid::new(balls, world.size)),
             hit: vec![false; balls.len()],
             steps: 0,
@@ -243,6 +249,14 @@ impl Contact {
     fn step(&mut self, tally: &mut Tally) {
         self.change_length();
         self.accelerate();
+        if !self.pass_quietly(tally) {
+            self.meet_and_hold(tally);
+        }
+        self.end_step();
+    }
+
+    /// Lets balls meet, holds what presses, and moves all.
+    fn meet_and_hold(&mut self, tally: &mut Tally) {
         self.find();
         self.note_common();
         self.note_start();
@@ -279,6 +293,10 @@ impl Contact {
         if self.near.is_none() {
             self.fly();
         }
+    }
+
+    /// What is to do once all have moved.
+    fn end_step(&mut self) {
         self.steps += self.substeps.length();
         if self.late > 0.0 {
             (self.setting.substep, self.late) = (self.substeps.seconds(), 0.0);

@@ -32,16 +32,30 @@ pub(super) fn hold_on_walls(
         if body.inverse_mass == 0.0 {
             continue;
         }
-        // The velocities with which it would just reach the walls at the end of the substep.
-        let low = ((DVec2::splat(body.radius) - body.position) / setting.substep).min(DVec2::ZERO);
-        let high = ((setting.size - body.radius - body.position) / setting.substep).max(DVec2::ZERO);
-        let without = body.velocity - beside.push;
-        let held = without.max(low).min(high);
-        beside.push = held - without;
+        let held;
+        (held, beside.push) = hold(setting, body, beside.push);
         most = most.max((body.velocity - held).abs().max_element() / enough.of(body.radius));
         body.velocity = held;
     }
     most
+}
+
+/// The velocity with which walls hold a ball that they gave this push in the last substep, and what they give it in this one.
+#[inline]
+fn hold(setting: &Setting, body: &Body, push: DVec2) -> (DVec2, DVec2) {
+    // The velocities with which it would just reach the walls at the end of the substep.
+    let low = ((DVec2::splat(body.radius) - body.position) / setting.substep).min(DVec2::ZERO);
+    let high = ((setting.size - body.radius - body.position) / setting.substep).max(DVec2::ZERO);
+    let without = body.velocity - push;
+    let held = without.max(low).min(high);
+    (held, held - without)
+}
+
+/// Whether walls bear a ball as in the last substep, so that it goes on along them as it does.
+pub(super) fn is_borne(setting: &Setting, bodies: &[Body], beside: &Beside) -> bool {
+    let body = &bodies[beside.body as usize];
+    hold(setting, body, beside.push) == (body.velocity, beside.push)
+        && body.velocity * beside.push == DVec2::ZERO
 }
 
 /// Takes the velocities away that walls gave to balls that would have overlapped them. The largest change of a ball's speed,

@@ -23,7 +23,7 @@ use super::{Body, Contact, DVec2, Setting};
 const HEAVIER: f64 = 2.0;
 /// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
 const LEFT: f64 = 0.25;
-/// Balls are weighed anew after so many of the shortest substeps, and where pairs were searched.
+/// Balls are weighed anew after so many of the shortest substeps, in the next that is not quiet, and where pairs were searched.
 const PERIOD: u64 = 8;
 /// A ball lies on another where their heights differ by more than this part of what they reach: what slides off one that
 /// stands still leaves it there. Balls side by side pass weight on to each other.
@@ -36,6 +36,8 @@ pub(super) struct Weights {
     possible: Unlike,
     /// Whether any counts as heavier than it is.
     heavier: bool,
+    /// From which step on they are weighed anew.
+    due: u64,
     /// What they counted with before, and what they count with.
     before: Vec<f64>,
     counted: Vec<f64>,
@@ -56,9 +58,11 @@ impl Contact {
             let presses = setting.kick != DVec2::ZERO;
             near.weights.possible = if presses { Unlike::among(bodies, rests) } else { Unlike::Nothing };
         }
-        if !searched && !landed && !self.steps.is_multiple_of(PERIOD * self.substeps.shortest()) {
+        let period = PERIOD * self.substeps.shortest();
+        if !searched && !landed && self.steps < near.weights.due {
             return false;
         }
+        near.weights.due = (self.steps / period + 1) * period;
         let possible = near.weights.possible;
         if before.differs() || possible.differs() {
             setting.unlike = near.find_unlike(bodies, rests, possible);

@@ -1,0 +1,292 @@
+//! Quiet substeps of few balls: none touches another in them, and nothing but walls holds any.
+//!
+//! Where few balls fly, bounce and slide, most substeps are such. All that is looked for and worked out in others would
+//! come to nothing in them: each ball goes on as it does, or bounces off walls by itself.
+
+use super::super::lesser::lesser;
+use super::constraints::Beside;
+use super::fates::{Fate, is_fast};
+use super::find::FEW;
+use super::legs::Leg;
+use super::near::Near;
+use super::wall_support::is_borne;
+use super::walls::{Met, meet_walls, reaches_wall};
+use super::{Body, Contact, DVec2, Setting, Tally};
+
+/// Few balls in the order in which their ways begin across the world, as it was when that was last looked at.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Across(Vec<u8>);
+
+/// A ball that bounces off walls in a quiet substep.
+struct Bounce {
+    at: usize,
+    /// How it goes on.
+    body: Body,
+    /// When it was hit last, s after the substep's beginning, and what walls do to it.
+    time: f64,
+    met: Met,
+    tally: Tally,
+}
+
+impl Contact {
+    /// Takes this substep, at whose beginning gravity has changed all velocities, if it is a quiet one; whether it was. None is that
+    /// began late, or in which balls part that were put into each other.
+    pub(super) fn pass_quietly(&mut self, tally: &mut Tally) -> bool {
+        let Self { setting, bodies, near: Some(near), parting, late, pairs, across, .. } = self else {
+            return false;
+        };
+        if bodies.len() > FEW
+            || setting.has_fixed
+            || *late > 0.0
+            || parting.goes_on()
+            || near.homes.len() != bodies.len()
+            || !near.holds_steadily(setting, bodies)
+        {
+            return false;
+        }
+        let mut ends = [DVec2::ZERO; FEW];
+        let mut beyond = false;
+        for (end, body) in ends.iter_mut().zip(&*bodies) {
+            *end = body.end(setting.substep);
+            beyond |= body.inverse_mass > 0.0 && setting.inside(*end, body.radius) != *end;
+        }
+        // Where nothing is known to be near a wall, none is followed to it.
+        if *pairs && across.any_may_meet(setting, bodies, &ends) || beyond && !setting.grounded {
+            return false;
+        }
+        let Some(bounces) = (if beyond { self.bounces() } else { Some(Vec::new()) }) else { return false };
+        self.note_start();
+        let Self { setting, bodies, course, before, .. } = self;
+        course.ended = false;
+        course.fates.clear();
+        course.legs.begin(!before.is_empty());
+        if !bounces.is_empty() {
+            course.fates.resize(bodies.len(), Fate::default());
+        }
+        for Bounce { at, body, time, met, tally: counted } in bounces {
+            if course.legs.noted {
+                let legs = Leg::of(at, &body, time).after_walls(&bodies[at], &body, &met);
+                course.legs.list.extend(legs.into_iter().flatten());
+            }
+            bodies[at] = body;
+            ends[at] = setting.inside(body.end(setting.substep), body.radius);
+            course.fates[at].hits = 1;
+            tally.add(&counted);
+        }
+        for (body, end) in bodies.iter_mut().zip(ends) {
+            body.position = end;
+        }
+        true
+    }
+
+    /// How balls bounce off walls in this substep; [`None`] where it is not a quiet one.
+    fn bounces(&self) -> Option<Vec<Bounce>> {
+        let mut bounces = Vec::new();
+        for at in 0..self.bodies.len() {
+            if self.bodies[at].inverse_mass > 0.0
+                && let Some(time) = reaches_wall(&self.setting, &self.bodies[at])
+            {
+                bounces.push(self.bounce(at, time)?);
+            }
+        }
+        Some(bounces)
+    }
+
+    /// How a ball bounces off the walls to which it comes at this time, which do not hold it: if it does not come to rest there, and
+    /// comes to no other, wherever it goes.
+    fn bounce(&self, at: usize, time: f64) -> Option<Bounce> {
+        let Self { setting, bodies, rests, pairs, .. } = self;
+        let mut body = bodies[at];
+        let speed = |body: &Body| body.velocity.length() + setting.kick.length();
+        let comes_to = |other: &Body| {
+            let apart = body.position.distance(other.position) - body.radius - other.radius;
+            apart <= (speed(&body) + speed(other)) * setting.substep
+        };
+        let others = bodies[..at].iter().chain(&bodies[at + 1..]);
+        if is_fast(setting, &body) || *pairs && others.into_iter().any(comes_to) {
+            return None;
+        }
+        let beside = Beside { body: at as u32, push: DVec2::ZERO };
+        let mut tally = Tally::default();
+        let met = meet_walls(setting, (&mut body, rests[at].own), &beside, 0.0, &mut tally)?;
+        let time = time.max(met.time);
+        (!met.landed.any()).then_some(Bounce { at, body, time, met, tally })
+    }
+}
+
+impl Near {
+    /// Whether nothing but walls holds any of few balls that can be moved, and these leave it as it is.
+    fn holds_steadily(&self, setting: &Setting, bodies: &[Body]) -> bool {
+        // None before the first search.
+        let [stripe] = &self.stripes[..] else { return false };
+        let moves = |at: u32| bodies[at as usize].inverse_mass > 0.0;
+        let holds = stripe.constraints.iter().any(|constraint| {
+            let pair = constraint.pair;
+            (constraint.impulse > 0.0 || constraint.grip != DVec2::ZERO)
+                && (moves(pair.first) || moves(pair.second))
+        });
+        if holds || !stripe.disturbed.is_empty() {
+            return false;
+        }
+        let mut borne =
+            stripe.beside.iter().filter(|beside| beside.push != DVec2::ZERO && moves(beside.body));
+        let held = bodies.iter().filter(|body| !body.is_free()).count();
+        held == borne.clone().count() && borne.all(|beside| is_borne(setting, bodies, beside))
+    }
+}
+
+impl Across {
+    /// Whether any two balls may touch in a substep that takes them to these ends: only those are compared whose ways overlap across
+    /// the world (sweep and prune; Cohen, Lin, Manocha & Ponamgi 1995).
+    fn any_may_meet(&mut self, setting: &Setting, bodies: &[Body], ends: &[DVec2]) -> bool {
+        let Self(order) = self;
+        if order.len() != bodies.len() {
+            order.clear();
+            order.extend(0..bodies.len() as u8);
+        }
+        let mut spans = [(0.0, 0.0); FEW];
+        for ((span, body), end) in spans.iter_mut().zip(bodies).zip(ends) {
+            let (one, other) = (body.position.x, end.x);
+            *span = (lesser(one, other) - body.radius, body.radius - lesser(-one, -other));
+        }
+        // They hardly change it from one substep to the next (insertion sort).
+        for place in 1..order.len() {
+            let ball = order[place];
+            let (low, mut free) = (spans[usize::from(ball)].0, place);
+            while free > 0 && spans[usize::from(order[free - 1])].0 > low {
+                order[free] = order[free - 1];
+                free -= 1;
+            }
+            order[free] = ball;
+        }
+        order.iter().enumerate().any(|(place, &ball)| {
+            let (body, high) = (&bodies[usize::from(ball)], spans[usize::from(ball)].1);
+            let others = order[place + 1..].iter().map(|&other| usize::from(other));
+            others
+                .take_while(|&other| spans[other].0 <= high)
+                .any(|other| may_meet(setting, body, &bodies[other]))
+        })
+    }
+}
+
+/// Whether two balls may touch in this substep, by the tangent of their squared distance, which lies above it.
+fn may_meet(setting: &Setting, first: &Body, second: &Body) -> bool {
+    let offset = first.position - second.position;
+    let closing = offset.dot(first.velocity - second.velocity);
+    let reach = first.radius + second.radius;
+    offset.length_squared() + 2.0 * setting.substep * lesser(0.0, closing) <= reach * reach
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::ball::Ball;
+    use super::super::super::world::{Pairs, World};
+    use super::super::testing::TUNING;
+    use super::*;
+
+    /// Numbers from 0 to 1 that look random (Steele, Lea & Flood 2014).
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn between(&mut self, low: f64, high: f64) -> f64 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            low + (high - low) * ((mixed ^ (mixed >> 31)) as f64 / u64::MAX as f64)
+        }
+    }
+
+    /// Few balls in a box, a tenth of them or two of unlike masses, under a gravity of any direction, or none.
+    fn few(seed: u64) -> Contact {
+        let mut numbers = Numbers(seed);
+        let size = DVec2::new(600.0, 400.0);
+        let tilt = [0.0, 0.0, 0.3, 2.5][seed as usize % 4];
+        let gravity = DVec2::from_angle(tilt).perp() * if seed % 5 == 4 { 0.0 } else { 980.0 };
+        let world = World::new(size).unwrap().with_walls(numbers.between(0.0, 1.0)).unwrap();
+        let world = world.with_gravity(gravity).unwrap().with_pairs(Pairs::Impulse);
+        let count = 1 + seed % 16;
+        let ball = |k: u64, numbers: &mut Numbers| {
+            let place = DVec2::new(75.0 + 150.0 * (k % 4) as f64, 50.0 + 100.0 * (k / 4) as f64);
+            let radius = numbers.between(5.0, 45.0);
+            let velocity = DVec2::new(numbers.between(-400.0, 400.0), numbers.between(-400.0, 400.0));
+            let mass = if seed.is_multiple_of(3) {
+                10_f64.powf(numbers.between(-2.0, 2.0))
+            } else {
+                radius * radius
+            };
+            let ball = Ball::new(place, radius).unwrap().with_velocity(velocity).unwrap();
+            ball.with_mass(mass).unwrap().with_restitution(numbers.between(0.0, 0.99)).unwrap()
+        };
+        let balls: Vec<Ball> = (0..count).map(|k| ball(k, &mut numbers)).collect();
+        Contact::new(&world, &balls, TUNING)
+    }
+
+    /// A substep that a frame ends in, taken as a quiet one if it is one, or in any case as any other. Whether it was.
+    fn take(contact: &mut Contact, tally: &mut Tally, quietly: bool) -> bool {
+        let team = contact.team.clone();
+        contact.find_held(&team);
+        contact.before = (0..contact.bodies.len()).map(|at| contact.start_of(at)).collect();
+        contact.change_length();
+        contact.accelerate();
+        let quiet = quietly && contact.pass_quietly(tally);
+        if !quiet {
+            contact.meet_and_hold(tally);
+        }
+        contact.end_step();
+        quiet
+    }
+
+    #[test]
+    fn what_a_quiet_substep_comes_to_is_what_it_comes_to_as_any_other() {
+        let (mut quiet, mut all, mut bounces) = (0, 0, 0);
+        for seed in 0..60 {
+            let mut contact = few(seed);
+            while contact.steps < 4 * u64::from(contact.substeps.rate) && !contact.all_asleep {
+                let (mut whole, mut tallies) = (contact.clone(), [Tally::default(); 2]);
+                let is_quiet = take(&mut contact, &mut tallies[0], true);
+                (quiet, all) = (quiet + u64::from(is_quiet), all + 1);
+                if !is_quiet {
+                    continue;
+                }
+                take(&mut whole, &mut tallies[1], false);
+                let weights = [&contact, &whole]
+                    .map(|contact| contact.bodies.iter().map(|body| body.inverse_mass).collect::<Vec<_>>());
+                if weights[0] != weights[1] {
+                    // What balls count with, where it is found anew, is put off: it may let go of what lies on a wall.
+                    continue;
+                }
+                let [counted, as_whole] = tallies;
+                bounces += counted.wall_hits;
+                let at = format!("seed {seed}, step {}", contact.steps);
+                assert_eq!((counted.impacts, counted.wall_hits), (0, as_whole.wall_hits), "{at}");
+                let mass = contact.rests.iter().map(|rest| rest.own.recip()).fold(0.0, f64::max);
+                assert!(counted.wall_impulse.distance(as_whole.wall_impulse) < 1e-9 * mass, "{at}");
+                assert_eq!(contact.ids, whole.ids, "{at}");
+                let legs = [&contact, &whole].map(|contact| {
+                    let mut legs = contact.course.legs.list.clone();
+                    legs.sort_by_key(|leg| leg.body);
+                    legs
+                });
+                assert_eq!(legs[0].len(), legs[1].len(), "{at}");
+                for (own, other) in legs[0].iter().zip(&legs[1]) {
+                    let late = (own.since - other.since).abs();
+                    assert!(
+                        late < 1e-12 && own.place.distance(other.place) < 1e-9,
+                        "{at}, {own:?} and {other:?}"
+                    );
+                }
+                for (body, (own, other)) in contact.bodies.iter().zip(&whole.bodies).enumerate() {
+                    let apart = [
+                        own.position.distance(other.position),
+                        own.velocity.distance(other.velocity),
+                        own.free.distance(other.free),
+                    ];
+                    assert!(apart.iter().all(|&apart| apart < 1e-9), "{at}, {own:?} and {other:?}");
+                    assert_eq!(contact.course.was_hit(body), whole.course.was_hit(body), "{at}");
+                    assert_eq!(contact.rests[body].asleep, whole.rests[body].asleep, "{at}");
+                }
+            }
+        }
+        assert!(2 * quiet > all && bounces > 100, "{quiet} of {all} were, with {bounces} bounces");
+    }
+}
