@@ -119,7 +119,13 @@ impl Meeting {
 
     /// Gives both their impulse.
     #[inline]
-    fn exchange(&self, bodies: &mut [Body], rests: &[Rest], (first, second): (usize, usize), e: f64) {
+    pub(super) fn exchange(
+        &self,
+        bodies: &mut [Body],
+        rests: &[Rest],
+        (first, second): (usize, usize),
+        e: f64,
+    ) {
         let (one, other) = (rests[first].in_impacts(), rests[second].in_impacts());
         let change = self.offset * ((1.0 + e) * self.speed / ((one + other) * self.length));
         strike(&mut bodies[first], change * one, self.time);

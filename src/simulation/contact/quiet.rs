@@ -1,30 +1,30 @@
-//! Quiet substeps of few balls: none touches another in them, and nothing but walls holds any.
+//! Quiet substeps of few balls: what happens in them happens by itself, and nothing but walls holds any.
 //!
 //! Where few balls fly, bounce and slide, most substeps are such. All that is looked for and worked out in others would
-//! come to nothing in them: each ball goes on as it does, or bounces off walls by itself.
+//! come to nothing in them: each ball goes on as it does, or bounces off walls, or two meet and fly apart.
 
 use super::super::lesser::lesser;
 use super::constraints::Beside;
 use super::fates::{Fate, is_fast};
 use super::find::FEW;
 use super::legs::Leg;
+use super::meeting::Meeting;
 use super::near::Near;
 use super::wall_support::is_borne;
-use super::walls::{Met, meet_walls, reaches_wall};
+use super::walls::{meet_walls, reaches_wall};
 use super::{Body, Contact, DVec2, Setting, Tally};
 
 /// Few balls in the order in which their ways begin across the world, as it was when that was last looked at.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Across(Vec<u8>);
 
-/// A ball that bounces off walls in a quiet substep.
-struct Bounce {
-    at: usize,
-    /// How it goes on.
-    body: Body,
-    /// When it was hit last, s after the substep's beginning, and what walls do to it.
-    time: f64,
-    met: Met,
+/// What happens in a quiet substep.
+#[derive(Default)]
+struct Happens {
+    /// The balls that are hit, with how they go on and the legs that they are on then.
+    hit: Vec<(usize, Body, [Option<Leg>; 2])>,
+    /// Two that hit each other.
+    met: Option<[usize; 2]>,
     tally: Tally,
 }
 
@@ -51,66 +51,116 @@ impl Contact {
             beyond |= body.inverse_mass > 0.0 && setting.inside(*end, body.radius) != *end;
         }
         // Where nothing is known to be near a wall, none is followed to it.
-        if *pairs && across.any_may_meet(setting, bodies, &ends) || beyond && !setting.grounded {
+        if beyond && !setting.grounded {
             return false;
         }
-        let Some(bounces) = (if beyond { self.bounces() } else { Some(Vec::new()) }) else { return false };
+        let Ok(close) = (if *pairs { across.close(setting, bodies, &ends) } else { Ok(None) }) else {
+            return false;
+        };
+        let happens =
+            if beyond || close.is_some() { self.happens(beyond, close) } else { Some(Happens::default()) };
+        let Some(Happens { hit, met, tally: counted }) = happens else { return false };
         self.note_start();
-        let Self { setting, bodies, course, before, .. } = self;
+        let Self { setting, bodies, course, before, hit: touched, .. } = self;
         course.ended = false;
         course.fates.clear();
         course.legs.begin(!before.is_empty());
-        if !bounces.is_empty() {
+        if !hit.is_empty() {
             course.fates.resize(bodies.len(), Fate::default());
         }
-        for Bounce { at, body, time, met, tally: counted } in bounces {
+        for (at, body, legs) in hit {
             if course.legs.noted {
-                let legs = Leg::of(at, &body, time).after_walls(&bodies[at], &body, &met);
                 course.legs.list.extend(legs.into_iter().flatten());
             }
             bodies[at] = body;
             ends[at] = setting.inside(body.end(setting.substep), body.radius);
             course.fates[at].hits = 1;
-            tally.add(&counted);
         }
+        met.into_iter().flatten().for_each(|at| touched[at] = true);
+        tally.add(&counted);
         for (body, end) in bodies.iter_mut().zip(ends) {
             body.position = end;
         }
         true
     }
 
-    /// How balls bounce off walls in this substep; [`None`] where it is not a quiet one.
-    fn bounces(&self) -> Option<Vec<Bounce>> {
-        let mut bounces = Vec::new();
-        for at in 0..self.bodies.len() {
-            if self.bodies[at].inverse_mass > 0.0
-                && let Some(time) = reaches_wall(&self.setting, &self.bodies[at])
-            {
-                bounces.push(self.bounce(at, time)?);
+    /// What happens in a substep in which two balls may be close, and others come to walls; [`None`] where it is not a quiet one.
+    fn happens(&self, beyond: bool, close: Option<[usize; 2]>) -> Option<Happens> {
+        let Self { setting, bodies, .. } = self;
+        let mut happens = Happens::default();
+        if let Some(both) = close {
+            self.meet(both, &mut happens)?;
+        }
+        if beyond {
+            for (at, body) in bodies.iter().enumerate() {
+                if body.inverse_mass > 0.0
+                    && let Some(time) = reaches_wall(setting, body)
+                {
+                    self.bounce(at, time, &mut happens)?;
+                }
             }
         }
-        Some(bounces)
+        Some(happens)
     }
 
-    /// How a ball bounces off the walls to which it comes at this time, which do not hold it: if it does not come to rest there, and
-    /// comes to no other, wherever it goes.
-    fn bounce(&self, at: usize, time: f64) -> Option<Bounce> {
-        let Self { setting, bodies, rests, pairs, .. } = self;
+    /// Adds how a ball bounces off the walls to which it comes at this time, which do not hold it: if it does not come to rest
+    /// there, and comes to no other, wherever it goes.
+    fn bounce(&self, at: usize, time: f64, happens: &mut Happens) -> Option<()> {
+        let Self { setting, bodies, rests, .. } = self;
         let mut body = bodies[at];
-        let speed = |body: &Body| body.velocity.length() + setting.kick.length();
-        let comes_to = |other: &Body| {
-            let apart = body.position.distance(other.position) - body.radius - other.radius;
-            apart <= (speed(&body) + speed(other)) * setting.substep
-        };
-        let others = bodies[..at].iter().chain(&bodies[at + 1..]);
-        if is_fast(setting, &body) || *pairs && others.into_iter().any(comes_to) {
+        if is_fast(setting, &body) || !self.keeps_away(&[at], body.velocity.length()) {
             return None;
         }
         let beside = Beside { body: at as u32, push: DVec2::ZERO };
-        let mut tally = Tally::default();
-        let met = meet_walls(setting, (&mut body, rests[at].own), &beside, 0.0, &mut tally)?;
-        let time = time.max(met.time);
-        (!met.landed.any()).then_some(Bounce { at, body, time, met, tally })
+        let met = meet_walls(setting, (&mut body, rests[at].own), &beside, 0.0, &mut happens.tally)?;
+        let legs = Leg::of(at, &body, time.max(met.time)).after_walls(&bodies[at], &body, &met);
+        happens.hit.push((at, body, legs));
+        (!met.landed.any()).then_some(())
+    }
+
+    /// Adds how two balls meet, if they do: if both fly, far from walls and from others, and apart again, fast.
+    fn meet(&self, both: [usize; 2], happens: &mut Happens) -> Option<()> {
+        let Self { setting, bodies, rests, restitutions, .. } = self;
+        let mut after = both.map(|at| bodies[at]);
+        let [first, second] = &after;
+        let reach = first.radius + second.radius;
+        let apart = |one: DVec2, other: DVec2| one.distance_squared(other) > reach * reach;
+        let flies = |body: &Body| body.inverse_mass > 0.0 && body.is_free() && !is_fast(setting, body);
+        if !(flies(first) && flies(second) && apart(first.position, second.position)) {
+            return None;
+        }
+        let Some(meeting) = Meeting::of(setting, first, second, None, 0.0) else {
+            return apart(first.end(setting.substep), second.end(setting.substep)).then_some(());
+        };
+        let e = lesser(restitutions[both[0]], restitutions[both[1]]);
+        meeting.exchange(&mut after, &both.map(|at| rests[at]), (0, 1), e);
+        let fastest = both.iter().map(|&at| &bodies[at]).chain(&after);
+        let fastest = fastest.map(|body| body.velocity.length()).fold(0.0, f64::max);
+        let stays = |body: &Body| reaches_wall(setting, body).is_none();
+        let free = after.iter().all(|body| flies(body) && (setting.walls.is_none() || stays(body)));
+        if !(free && e * meeting.speed > setting.firm && self.keeps_away(&both, fastest)) {
+            return None;
+        }
+        happens.tally.impacts += u64::from(meeting.speed > setting.rest_speed);
+        happens.met = Some(both);
+        for (at, body) in both.into_iter().zip(after) {
+            happens.hit.push((at, body, [Some(Leg::of(at, &body, meeting.time)), None]));
+        }
+        Some(())
+    }
+
+    /// Whether balls that are no faster than this come to no other in this substep, wherever they go.
+    fn keeps_away(&self, these: &[usize], fastest: f64) -> bool {
+        let Self { setting, bodies, pairs, .. } = self;
+        let way = |speed: f64| (speed + setting.kick.length()) * setting.substep;
+        let others = || bodies.iter().enumerate().filter(|(other, _)| !these.contains(other));
+        !*pairs
+            || these.iter().map(|&at| &bodies[at]).all(|body| {
+                others().all(|(_, other)| {
+                    let gap = body.position.distance(other.position) - body.radius - other.radius;
+                    gap > way(fastest) + way(other.velocity.length())
+                })
+            })
     }
 }
 
@@ -135,10 +185,18 @@ impl Near {
     }
 }
 
+/// There are more than two balls that may touch others.
+struct Many;
+
 impl Across {
-    /// Whether any two balls may touch in a substep that takes them to these ends: only those are compared whose ways overlap across
-    /// the world (sweep and prune; Cohen, Lin, Manocha & Ponamgi 1995).
-    fn any_may_meet(&mut self, setting: &Setting, bodies: &[Body], ends: &[DVec2]) -> bool {
+    /// The two balls that may touch in a substep that takes all to these ends, if no others may, too. Only those are compared whose
+    /// ways overlap across the world (sweep and prune; Cohen, Lin, Manocha & Ponamgi 1995).
+    fn close(
+        &mut self,
+        setting: &Setting,
+        bodies: &[Body],
+        ends: &[DVec2],
+    ) -> Result<Option<[usize; 2]>, Many> {
         let Self(order) = self;
         if order.len() != bodies.len() {
             order.clear();
@@ -159,13 +217,19 @@ impl Across {
             }
             order[free] = ball;
         }
-        order.iter().enumerate().any(|(place, &ball)| {
-            let (body, high) = (&bodies[usize::from(ball)], spans[usize::from(ball)].1);
+        let mut close = None;
+        for (place, &ball) in order.iter().enumerate() {
+            let (ball, high) = (usize::from(ball), spans[usize::from(ball)].1);
             let others = order[place + 1..].iter().map(|&other| usize::from(other));
-            others
-                .take_while(|&other| spans[other].0 <= high)
-                .any(|other| may_meet(setting, body, &bodies[other]))
-        })
+            for other in others.take_while(|&other| spans[other].0 <= high) {
+                if may_meet(setting, &bodies[ball], &bodies[other])
+                    && close.replace([ball.min(other), ball.max(other)]).is_some()
+                {
+                    return Err(Many);
+                }
+            }
+        }
+        Ok(close)
     }
 }
 
@@ -238,7 +302,7 @@ mod tests {
 
     #[test]
     fn what_a_quiet_substep_comes_to_is_what_it_comes_to_as_any_other() {
-        let (mut quiet, mut all, mut bounces) = (0, 0, 0);
+        let (mut quiet, mut all, mut counts) = (0, 0, Tally::default());
         for seed in 0..60 {
             let mut contact = few(seed);
             while contact.steps < 4 * u64::from(contact.substeps.rate) && !contact.all_asleep {
@@ -256,9 +320,11 @@ mod tests {
                     continue;
                 }
                 let [counted, as_whole] = tallies;
-                bounces += counted.wall_hits;
+                counts.add(&counted);
                 let at = format!("seed {seed}, step {}", contact.steps);
-                assert_eq!((counted.impacts, counted.wall_hits), (0, as_whole.wall_hits), "{at}");
+                let numbers = [counted, as_whole].map(|tally| (tally.impacts, tally.wall_hits));
+                assert_eq!(numbers[0], numbers[1], "{at}");
+                assert_eq!(contact.hit, whole.hit, "{at}");
                 let mass = contact.rests.iter().map(|rest| rest.own.recip()).fold(0.0, f64::max);
                 assert!(counted.wall_impulse.distance(as_whole.wall_impulse) < 1e-9 * mass, "{at}");
                 assert_eq!(contact.ids, whole.ids, "{at}");
@@ -287,6 +353,9 @@ mod tests {
                 }
             }
         }
-        assert!(2 * quiet > all && bounces > 100, "{quiet} of {all} were, with {bounces} bounces");
+        assert!(
+            2 * quiet > all && counts.wall_hits > 100 && counts.impacts > 100,
+            "{quiet} of {all}: {counts:?}"
+        );
     }
 }
