@@ -4,8 +4,9 @@ use glam::DVec2;
 
 use super::super::ball::Ball;
 
-/// What holds a ball is rounding where it gives it less than this part of its speed, and of gravity's kick.
-const ROUNDING: f64 = 1e-13;
+/// What seems to hold a ball is rounding where it gives it less than the first part of its speed, or of gravity's kick, and less than
+/// the second part of that kick in any case.
+const ROUNDING: (f64, f64) = (1e-13, 1e-3);
 
 /// A ball as the solver moves it: one cache line.
 #[derive(Debug, Clone, Copy)]
@@ -69,8 +70,10 @@ impl Body {
     /// Has it be free where what seems to hold it is only what rounding has left of that.
     #[inline]
     pub(super) fn forget_rounding(&mut self, kick: DVec2) {
-        let largest = self.velocity.length_squared() + kick.length_squared();
-        if self.velocity.distance_squared(self.free) <= ROUNDING * ROUNDING * largest {
+        let (of_any, of_kick) = ROUNDING;
+        let given = self.velocity.distance_squared(self.free);
+        let (speed, kick) = (self.velocity.length_squared(), kick.length_squared());
+        if given <= of_any * of_any * (speed + kick) && given <= of_kick * of_kick * kick {
             self.free = self.velocity;
         }
     }
@@ -91,5 +94,10 @@ mod tests {
             assert_eq!(body.is_free(), is_free, "{left}");
             assert_eq!(body.velocity.y, left);
         }
+        // Where gravity is so weak that rounding is more than its kick.
+        let mut body = Body::new(&Ball::new(DVec2::splat(50.0), 5.0).unwrap(), DVec2::ZERO);
+        (body.velocity, body.free) = (DVec2::new(1e8, 0.0), DVec2::new(1e8, 1e-9));
+        body.forget_rounding(DVec2::new(0.0, 1e-9));
+        assert!(!body.is_free());
     }
 }
