@@ -30,42 +30,14 @@ struct Happens {
 }
 
 impl Contact {
-    /// Takes this substep, at whose beginning gravity has changed all velocities, if it is a quiet one; whether it was. None is that
-    /// began late, or in which balls part that were put into each other.
+    /// Takes this substep, at whose beginning gravity has changed all velocities, if it is a quiet one; whether it was.
     pub(super) fn pass_quietly(&mut self, tally: &mut Tally) -> bool {
-        let Self { setting, bodies, near: Some(near), parting, late, pairs, across, .. } = self else {
-            return false;
-        };
-        if bodies.len() > FEW
-            || setting.has_fixed
-            || *late > 0.0
-            || parting.goes_on()
-            || near.homes.len() != bodies.len()
-            || !near.holds_steadily(setting, bodies)
-        {
-            return false;
-        }
-        let mut ends = [DVec2::ZERO; FEW];
-        let mut beyond = false;
-        for (end, body) in ends.iter_mut().zip(&*bodies) {
-            *end = body.end(setting.substep);
-            beyond |= body.inverse_mass > 0.0 && setting.inside(*end, body.radius) != *end;
-        }
-        // Where nothing is known to be near a wall, none is followed to it.
-        if beyond && !setting.grounded {
-            return false;
-        }
-        let Ok(close) = (if *pairs { across.close(setting, bodies, &ends) } else { Ok(None) }) else {
-            return false;
-        };
-        let happens =
-            if beyond || close.is_some() { self.happens(beyond, close) } else { Some(Happens::default()) };
-        let Some(Happens { hit, met, tally: counted }) = happens else { return false };
+        let Some(Happens { hit, met, tally: counted }) = self.happens() else { return false };
         self.note_start();
-        let Self { setting, bodies, near: Some(near), course, before, hit: touched, .. } = self else {
-            return false;
-        };
-        near.forget_pressing();
+        if let Some(near) = &mut self.near {
+            near.forget_pressing();
+        }
+        let Self { setting, bodies, course, before, hit: touched, .. } = self;
         course.ended = false;
         course.fates.clear();
         course.legs.begin(!before.is_empty());
@@ -77,28 +49,49 @@ impl Contact {
                 course.legs.list.extend(legs.into_iter().flatten());
             }
             bodies[at] = body;
-            ends[at] = setting.inside(body.end(setting.substep), body.radius);
             course.fates[at].hits = 1;
         }
         met.into_iter().flatten().for_each(|at| touched[at] = true);
         tally.add(&counted);
-        for (body, end) in bodies.iter_mut().zip(ends) {
-            body.position = end;
+        for body in bodies.iter_mut().filter(|body| body.inverse_mass > 0.0) {
+            body.position = setting.inside(body.end(setting.substep), body.radius);
         }
         true
     }
 
-    /// What happens in a substep in which two balls may be close, and others come to walls; [`None`] where it is not a quiet one.
-    fn happens(&self, beyond: bool, close: Option<[usize; 2]>) -> Option<Happens> {
-        let Self { setting, bodies, .. } = self;
+    /// What happens in this substep; [`None`] where it is not a quiet one. None is that began late, or in which balls part that were
+    /// put into each other.
+    fn happens(&mut self) -> Option<Happens> {
+        let Self { setting, bodies, near: Some(near), parting, late, pairs, across, .. } = self else {
+            return None;
+        };
+        if bodies.len() > FEW
+            || setting.has_fixed
+            || *late > 0.0
+            || parting.goes_on()
+            || near.homes.len() != bodies.len()
+            || !near.holds_steadily(setting, bodies)
+        {
+            return None;
+        }
+        let goes_beyond = |body: &Body| {
+            let end = body.end(setting.substep);
+            body.inverse_mass > 0.0 && setting.inside(end, body.radius) != end
+        };
+        let beyond = bodies.iter().any(goes_beyond);
+        // Where nothing is known to be near a wall, none is followed to it.
+        if beyond && !setting.grounded {
+            return None;
+        }
+        let close = if *pairs { across.close(setting, bodies).ok()? } else { None };
         let mut happens = Happens::default();
         if let Some(both) = close {
             self.meet(both, &mut happens)?;
         }
         if beyond {
-            for (at, body) in bodies.iter().enumerate() {
+            for (at, body) in self.bodies.iter().enumerate() {
                 if body.inverse_mass > 0.0
-                    && let Some(time) = reaches_wall(setting, body)
+                    && let Some(time) = reaches_wall(&self.setting, body)
                 {
                     self.bounce(at, time, &mut happens)?;
                 }
@@ -173,9 +166,9 @@ impl Near {
     /// Notes that no pair of which one can be moved presses any more, nor met.
     fn forget_pressing(&mut self) {
         for marks in self.stripes.iter_mut().flat_map(|stripe| &mut stripe.marks) {
-            let idle = marks.has(Marks::IDLE);
-            marks.set(Marks::HELD, idle && marks.has(Marks::HELD));
-            marks.set(Marks::MET, idle && marks.has(Marks::MET));
+            if !marks.has(Marks::IDLE) {
+                marks.set(Marks::HELD | Marks::MET, false);
+            }
         }
     }
 
@@ -201,26 +194,21 @@ impl Near {
     }
 }
 
-/// There are more than two balls that may touch others.
+/// More than two balls may touch others.
 struct Many;
 
 impl Across {
-    /// The two balls that may touch in a substep that takes all to these ends, if no others may, too. Only those are compared whose
-    /// ways overlap across the world (sweep and prune; Cohen, Lin, Manocha & Ponamgi 1995).
-    fn close(
-        &mut self,
-        setting: &Setting,
-        bodies: &[Body],
-        ends: &[DVec2],
-    ) -> Result<Option<[usize; 2]>, Many> {
+    /// The two balls that may touch in this substep, if no others may, too. Only those are compared whose ways overlap across the
+    /// world (sweep and prune; Cohen, Lin, Manocha & Ponamgi 1995).
+    fn close(&mut self, setting: &Setting, bodies: &[Body]) -> Result<Option<[usize; 2]>, Many> {
         let Self(order) = self;
         if order.len() != bodies.len() {
             order.clear();
             order.extend(0..bodies.len() as u8);
         }
         let mut spans = [(0.0, 0.0); FEW];
-        for ((span, body), end) in spans.iter_mut().zip(bodies).zip(ends) {
-            let (one, other) = (body.position.x, end.x);
+        for (span, body) in spans.iter_mut().zip(bodies) {
+            let (one, other) = (body.position.x, body.end(setting.substep).x);
             *span = (lesser(one, other) - body.radius, body.radius - lesser(-one, -other));
         }
         // They hardly change it from one substep to the next (insertion sort).
