@@ -74,27 +74,14 @@ impl Contact {
         {
             return None;
         }
-        let goes_beyond = |body: &Body| {
-            let end = body.end(setting.substep);
-            body.inverse_mass > 0.0 && setting.inside(end, body.radius) != end
-        };
-        let beyond = bodies.iter().any(goes_beyond);
-        // Where nothing is known to be near a wall, none is followed to it.
-        if beyond && !setting.grounded {
-            return None;
-        }
         let close = if *pairs { across.close(setting, bodies).ok()? } else { None };
         let mut happens = Happens::default();
         if let Some(both) = close {
             self.meet(both, &mut happens)?;
         }
-        if beyond {
-            for (at, body) in self.bodies.iter().enumerate() {
-                if body.inverse_mass > 0.0
-                    && let Some(time) = reaches_wall(&self.setting, body)
-                {
-                    self.bounce(at, time, &mut happens)?;
-                }
+        for (at, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.inverse_mass > 0.0) {
+            if let Some(time) = reaches_wall(&self.setting, body) {
+                self.bounce(at, time, &mut happens)?;
             }
         }
         Some(happens)
@@ -105,8 +92,9 @@ impl Contact {
     fn bounce(&self, at: usize, time: f64, happens: &mut Happens) -> Option<()> {
         let Self { setting, bodies, rests, .. } = self;
         let mut body = bodies[at];
-        // (Against what all have in common in the last whole substep: what is fast or not here is followed as far.)
-        if is_fast(setting, &body) || !self.keeps_away(&[at], body.velocity.length()) {
+        // Where nothing is known to be near a wall, none is followed to it. (What is fast against what all had in common in the last
+        // whole substep, or not, is followed as far.)
+        if !setting.grounded || is_fast(setting, &body) || !self.keeps_away(&[at], body.velocity.length()) {
             return None;
         }
         let beside = Beside { body: at as u32, push: DVec2::ZERO };
@@ -134,9 +122,8 @@ impl Contact {
         meeting.exchange(&mut after, &both.map(|at| rests[at]), (0, 1), e);
         let fastest = both.iter().map(|&at| &bodies[at]).chain(&after);
         let fastest = fastest.map(|body| body.velocity.length()).fold(0.0, f64::max);
-        let stays = |body: &Body| reaches_wall(setting, body).is_none();
-        let free = after.iter().all(|body| flies(body) && (setting.walls.is_none() || stays(body)));
-        if !(free && e * meeting.speed > setting.firm && self.keeps_away(&both, fastest)) {
+        let go_on = after.iter().all(|body| flies(body) && reaches_wall(setting, body).is_none());
+        if !(go_on && e * meeting.speed > setting.firm && self.keeps_away(&both, fastest)) {
             return None;
         }
         happens.tally.impacts += u64::from(meeting.speed > setting.rest_speed);
@@ -188,9 +175,7 @@ impl Near {
         let mut borne =
             stripe.beside.iter().filter(|beside| beside.push != DVec2::ZERO && moves(beside.body));
         let held = bodies.iter().filter(|body| !body.is_free()).count();
-        let is_borne =
-            |beside: &Beside| !bodies[beside.body as usize].is_free() && is_borne(setting, bodies, beside);
-        held == borne.clone().count() && borne.all(is_borne)
+        held == borne.clone().count() && borne.all(|beside| is_borne(setting, bodies, beside))
     }
 }
 

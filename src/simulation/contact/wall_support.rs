@@ -54,7 +54,8 @@ fn hold(setting: &Setting, body: &Body, push: DVec2) -> (DVec2, DVec2) {
 /// Whether walls bear a ball as in the last substep, so that it goes on along them as it does.
 pub(super) fn is_borne(setting: &Setting, bodies: &[Body], beside: &Beside) -> bool {
     let body = &bodies[beside.body as usize];
-    hold(setting, body, beside.push) == (body.velocity, beside.push)
+    !body.is_free()
+        && hold(setting, body, beside.push) == (body.velocity, beside.push)
         && body.velocity * beside.push == DVec2::ZERO
 }
 

@@ -14,6 +14,7 @@ const SHORTEST_HOP: f64 = 1.0 / 64.0;
 /// When a ball comes to a wall, if it does in this substep, s after its beginning; by its mean velocity.
 #[inline]
 pub(super) fn reaches_wall(setting: &Setting, body: &Body) -> Option<f64> {
+    setting.walls?;
     let end = body.end(setting.substep);
     let (low, high) = (DVec2::splat(body.radius), setting.size - body.radius);
     let beyond = (low - end).max(end - high);
