@@ -154,7 +154,13 @@ impl App {
 
     /// Shows all scenes; time stands still meanwhile.
     pub(super) fn open_browser(&mut self) {
-        self.browser = Some(Browser::open(&self.session));
+        let mut browser = Browser::open(&self.session);
+        let scale = self.screen.as_ref().map(|(window, _)| window.scale_factor());
+        if let Some(room) = scale.and_then(|scale| self.room(scale)) {
+            // What comes before the first picture of the list is for it all the same.
+            browser.lay_out(room);
+        }
+        self.browser = Some(browser);
         self.help = false;
         self.messages.end_hint();
         // The cards would take the button's release.

@@ -15,9 +15,7 @@ const POINTED: Duration = Duration::from_millis(1500);
 impl App {
     /// Paints what looks other than it did last, and tells whether anything does.
     pub(super) fn paint(&mut self, scale: f64, measured: f64, now: Instant) -> bool {
-        let Some((_, screen)) = &self.screen else { return false };
-        let size = screen.size();
-        let room = Room { picture: DVec2::new(size.width.into(), size.height.into()), scale };
+        let Some(room) = self.room(scale) else { return false };
         let overlay = (self.overlay(room, measured, now), scale);
         self.spent("overlay");
         let same = self.overlay == overlay;
@@ -55,6 +53,13 @@ impl App {
         true
     }
 
+    /// The room on the screen, with `scale` pixels per px of the world.
+    pub(super) fn room(&self, scale: f64) -> Option<Room> {
+        let (_, screen) = self.screen.as_ref()?;
+        let size = screen.size();
+        Some(Room { picture: DVec2::new(size.width.into(), size.height.into()), scale })
+    }
+
     /// What is to be painted over the balls `now`, `measured` seconds after the frame before.
     pub(super) fn overlay(&mut self, room: Room, measured: f64, now: Instant) -> Overlay {
         let figures = self.gauge.as_mut().and_then(|gauge| {
@@ -79,10 +84,8 @@ impl App {
         let gravity = self.gravity_until.is_some_and(|until| now < until && !self.options.quiet);
         let recorder = self.recorder.as_ref().filter(|recorder| recorder.is_recording());
         let now_played = self.session.simulation();
-        let (page, missing) = self
-            .browser
-            .as_mut()
-            .map_or((None, false), |browser| browser.page(room.picture, room.scale, now_played));
+        let (page, missing) =
+            self.browser.as_mut().map_or((None, false), |browser| browser.page(room, now_played));
         if missing {
             self.request_redraw();
         }

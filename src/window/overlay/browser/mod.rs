@@ -13,6 +13,7 @@ use crate::scene::{self, Scene};
 use crate::session::Session;
 use crate::simulation::{Simulation, Solver};
 
+use super::Room;
 use layout::Layout;
 pub(in crate::window) use page::Page;
 
@@ -53,6 +54,7 @@ impl Browser {
     /// The built-in scenes, and before them that which is played, where it is another.
     ///
     /// The card of what is played shows it as it is now: a scene of the user's own may take seconds to build once more.
+    /// They have no places yet: see [`Browser::lay_out`].
     pub(in crate::window) fn open(session: &Session) -> Self {
         let played = session.scene();
         let mut scenes: Vec<Scene> =
@@ -157,23 +159,27 @@ impl Browser {
         self.row = self.row.clamp(least.min(row), row).min(self.last_row());
     }
 
-    /// The list for a picture of this size, px, with `scale` pixels per px of the world; and whether there are small
-    /// pictures still to be painted: one is painted with each call. `now` is what is played.
-    pub(in crate::window) fn page(
-        &mut self,
-        extent: DVec2,
-        scale: f64,
-        now: &Simulation,
-    ) -> (Option<Page>, bool) {
-        let layout = Layout::new(extent, scale);
-        if layout != self.layout {
-            if layout.picture != self.layout.picture {
-                self.cards.iter_mut().for_each(|card| card.picture = None);
-            }
-            self.layout = layout;
-            self.show_selected();
-            self.painted = None;
+    /// Lays the cards out in this room.
+    ///
+    /// Keys and clicks find them there; they may come before the list is painted.
+    pub(in crate::window) fn lay_out(&mut self, room: Room) {
+        let layout = Layout::new(room.picture, room.scale);
+        if layout == self.layout {
+            return;
         }
+        if layout.picture != self.layout.picture {
+            self.cards.iter_mut().for_each(|card| card.picture = None);
+        }
+        self.layout = layout;
+        self.show_selected();
+        self.painted = None;
+    }
+
+    /// The list in this room; and whether there are small pictures still to be painted: one is painted with each call.
+    /// `now` is what is played.
+    pub(in crate::window) fn page(&mut self, room: Room, now: &Simulation) -> (Option<Page>, bool) {
+        self.lay_out(room);
+        let layout = self.layout;
         let seen = self.seen();
         let cards = self.cards.iter_mut().enumerate().take(seen.end).skip(seen.start);
         let mut missing = cards.filter(|(_, card)| card.picture.is_none());
@@ -214,10 +220,13 @@ mod tests {
         Session::new(scene, 1).unwrap()
     }
 
+    fn room((width, height, scale): (f64, f64, f64)) -> Room {
+        Room { picture: DVec2::new(width, height), scale }
+    }
+
     fn browser(size: (f64, f64, f64)) -> Browser {
         let mut browser = Browser::open(&session(&Scene::load("gravity").unwrap()));
-        browser.layout = Layout::new(DVec2::new(size.0, size.1), size.2);
-        browser.show_selected();
+        browser.lay_out(room(size));
         browser
     }
 
@@ -267,24 +276,24 @@ mod tests {
         let painted = |browser: &Browser| browser.cards.iter().filter(|card| card.picture.is_some()).count();
         let seen = browser.seen().len();
         for count in 1..=seen {
-            let (page, missing) = browser.page(DVec2::new(1280.0, 720.0), 1.0, now);
+            let (page, missing) = browser.page(room(SIZES[0]), now);
             assert_eq!((painted(&browser), missing), (count, count < seen));
             assert!(page.is_some());
         }
-        let (once, _) = browser.page(DVec2::new(1280.0, 720.0), 1.0, now);
-        let (again, _) = browser.page(DVec2::new(1280.0, 720.0), 1.0, now);
+        let (once, _) = browser.page(room(SIZES[0]), now);
+        let (again, _) = browser.page(room(SIZES[0]), now);
         assert!(once == again, "nothing is painted where nothing has changed");
     }
 
     #[test]
     fn lists_of_any_size_are_painted_and_all_rows_can_be_scrolled_to() {
         let session = session(&Scene::load("gravity").unwrap());
-        for (x, y, scale) in SIZES {
-            let mut browser = browser((x, y, scale));
-            browser.page(DVec2::new(x, y), scale, session.simulation());
+        for size in SIZES {
+            let mut browser = browser(size);
+            browser.page(room(size), session.simulation());
             browser.scroll(1000);
-            assert_eq!(browser.seen().end, browser.cards.len(), "{x}x{y}");
-            browser.page(DVec2::new(x, y), scale, session.simulation());
+            assert_eq!(browser.seen().end, browser.cards.len(), "{size:?}");
+            browser.page(room(size), session.simulation());
             browser.scroll(-1000);
             assert_eq!(browser.seen().start, 0);
         }
@@ -322,7 +331,7 @@ mod tests {
         session.apply(Change::Solver(Solver::Contact).into()).unwrap();
         let mut browser = Browser::open(&session);
         assert_eq!((browser.cards[0].balls, browser.cards[0].solver), (31, Solver::Contact));
-        browser.page(DVec2::new(1280.0, 720.0), 1.0, session.simulation());
+        browser.page(room(SIZES[0]), session.simulation());
         assert_eq!(browser.cards[0].picture, page::picture(session.simulation(), browser.layout.picture));
     }
 }
