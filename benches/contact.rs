@@ -1,4 +1,4 @@
-//! What the contact solver costs, and what it keeps: `cargo bench --bench contact -- [gas|pile|fall|rest|mixed|demo|heavy|column|threads] [N]`.
+//! What the contact solver costs, and what it keeps: `cargo bench --bench contact -- [gas|granular|pile|fall|rest|mixed|demo|heavy|column|threads] [N]`.
 //! With `--features parallel` the last compares numbers of threads.
 
 use std::time::Instant;
@@ -19,6 +19,13 @@ fn main() {
     if wanted("gas") {
         for count in counts(&[100, 1000, 10_000, 100_000]) {
             gas(count);
+        }
+    }
+    if wanted("granular") {
+        for count in counts(&[100, 1000, 10_000]) {
+            for restitution in [0.5, 0.8, 0.95, 0.99] {
+                granular(count, restitution);
+            }
         }
     }
     if wanted("pile") {
@@ -129,8 +136,7 @@ fn threads(count: usize) {
         std::iter::successors(Some(1), |team| Some(2 * team)).take_while(|&team| team <= most).collect();
     let settling = if count > 50_000 { 15.0 } else { 8.0 };
     for (name, scene, skipped, measured) in [
-        // An elastic one is moved from impact to impact, by one thread.
-        ("granular gas", gas_scene(count, 0.95), 0.25, 0.5),
+        // A gas is moved from impact to impact, by one thread.
         ("falling", pile_scene(count, 1), 0.0, 2.0),
         ("settled", pile_scene(count, 1), settling, 0.5),
     ] {
@@ -169,6 +175,24 @@ fn gas(count: usize) {
         "gas {count}: {warm:.0} {ns:.1} ns a ball and frame; energy {:+.4} % after {long} s; overlap {mean:.4} {most:.3}; {:?}",
         (energy(&simulation) / start - 1.0) * 100.0,
         simulation.tally()
+    );
+}
+
+/// A gas that loses energy, from impact to impact and in substeps.
+fn granular(count: usize, restitution: f64) {
+    const SECONDS: f64 = 10.0;
+    let simulation = gas_scene(count, restitution).build().unwrap();
+    let in_substeps = simulation.clone().with_substeps(240).unwrap();
+    let start = energy(&simulation);
+    let [(one, left, deepest), (other, left_in_substeps, deepest_in_substeps)] = [simulation, in_substeps]
+        .map(|mut simulation| {
+            let ns = seconds(&mut simulation, SECONDS);
+            (ns, energy(&simulation) / start, quality(&simulation).1)
+        });
+    println!(
+        "gas {count}, restitution {restitution}: {one:.1} ns a ball and frame, in substeps {other:.1} ({:.2}); energy left \
+         after {SECONDS} s {left:.4}, {left_in_substeps:.4}; overlap {deepest:.4}, {deepest_in_substeps:.4}",
+        one / other
     );
 }
 

@@ -28,7 +28,7 @@ fn check(name: &str, text: &str, sleep: bool, frames: usize) {
     let run = |threads| {
         let mut simulation = scene.build().unwrap().with_sleep(sleep).with_threads(threads);
         if simulation.world().gravity().is_none() {
-            // Elastic balls take substeps only where they are asked for.
+            // They take substeps only where they are asked for.
             simulation = simulation.with_substeps(240).unwrap();
         }
         outcome(simulation, frames)

@@ -9,7 +9,6 @@ mod canvas;
 mod cholesky;
 mod clock;
 mod contact;
-mod elastic;
 mod exact;
 mod fit;
 mod flight;
@@ -22,6 +21,7 @@ pub mod limits;
 mod separate;
 mod simultaneous;
 mod solver;
+mod weightless;
 mod world;
 
 use glam::DVec2;
@@ -121,7 +121,10 @@ impl Simulation {
     ///   What leans on a ball at rest hops off it at u/2 at least. Balls that chatter lose no energy: those that hit
     ///   each other more slowly than u and within 2u/g of an impact before, or faster but within 2u²/1000g of its
     ///   place.
-    /// - [`Solver::Contact`] leaves impacts slower than u out of the tally under gravity, and moves nothing otherwise.
+    ///   Without gravity faster ones that chatter take all approach instead: a ball that is crushed between others, or
+    ///   against a wall, stops them, as its impacts without end would.
+    /// - [`Solver::Contact`] leaves impacts slower than u out of the tally under gravity, and moves nothing otherwise. Without
+    ///   gravity it does as [`Solver::Exact`].
     /// - [`Solver::Canvas`] does not know it.
     ///
     /// With a smaller one `exact` follows more, and smaller, bounces: the hops that it leaves out are up to u²/2g high,
@@ -145,7 +148,7 @@ impl Simulation {
     /// ball's size; and a multiple of that where gravity g is strong beside the smallest radius r, so that g·h² stays under
     /// r/100, for the h seconds of one of 240.
     ///
-    /// Elastic balls without gravity take none unless a number is given: they go from impact to impact.
+    /// Balls without gravity take none unless a number is given: they go from impact to impact, as with [`Solver::Exact`].
     ///
     /// Balls that fly, and meet one after the other, do so to rounding whatever the number. With fewer substeps than it
     /// would choose, piles sink in by up to a few times g·h², and what lies on a wall of restitution 1 hops as high;

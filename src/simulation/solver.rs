@@ -7,9 +7,9 @@ use super::Tally;
 use super::ball::Ball;
 use super::canvas::Canvas;
 use super::contact::Contact;
-use super::elastic::Elastic;
 use super::exact::Exact;
 use super::grid::Grid;
+use super::weightless::Weightless;
 use super::world::World;
 
 /// The ways of moving a simulation on.
@@ -19,8 +19,8 @@ pub enum Solver {
     Canvas,
     /// Event-driven: exact between and at impacts, whatever the frame rate.
     Exact,
-    /// Substeps in which all contacts are solved together: large piles in real time, whatever the frame rate. Elastic balls
-    /// without gravity, which nothing presses together, are moved from impact to impact, as by `Exact`.
+    /// Substeps in which all contacts are solved together: large piles in real time, whatever the frame rate. Without
+    /// gravity nothing presses balls together, and they are moved from impact to impact, as by `Exact`.
     Contact,
 }
 
@@ -143,8 +143,8 @@ impl Solver {
         match self {
             Self::Canvas => Box::new(Canvas::new(world, balls)),
             Self::Exact => Box::new(Exact::new(world, balls, tuning.rest_speed)),
-            Self::Contact => match Elastic::new(world, balls, tuning) {
-                Some(elastic) => Box::new(elastic),
+            Self::Contact => match Weightless::new(world, balls, tuning) {
+                Some(weightless) => Box::new(weightless),
                 None => Box::new(Contact::new(world, balls, tuning)),
             },
         }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// The laws, in the order in which a frame is held against them. Where `contact` moves elastic balls from impact to
+/// The laws, in the order in which a frame is held against them. Where `contact` moves balls from impact to
 /// impact, it is held to all that `exact` is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Law {

@@ -1,8 +1,8 @@
-//! What `contact` does where nothing is ever pressed against anything: with elastic balls without gravity.
+//! What `contact` does where nothing presses anything together: with balls without gravity.
 //!
-//! They need no substeps. Their impacts are taken one after the other, as `exact` takes them, which is exact and costs less
-//! than half. Where there are more than can be followed, as among balls that are wedged in, substeps go on from there, in
-//! each of which so much may happen and no more.
+//! They need no substeps. Their impacts are taken one after the other, as `exact` takes them, which is exact, and costs less
+//! than half where balls are elastic, and down to a twentieth where they are not. Where there are more than can be followed, as
+//! among balls that are wedged in, substeps go on from there, in each of which so much may happen and no more.
 
 use super::ball::Ball;
 use super::contact::{Contact, can_rest};
@@ -17,9 +17,13 @@ use super::world::{Pairs, World};
 /// where there is no room.
 const TOUCH: f64 = 1e-9;
 
-/// Elastic balls without gravity.
+/// Where more pairs overlap than one in so many balls, and these, balls that can rest are no gas but a heap: there is hardly room
+/// to move them apart, and substeps hold it as well.
+const HEAPED: (usize, usize) = (4, 16);
+
+/// Balls without gravity.
 #[derive(Debug, Clone)]
-pub(super) struct Elastic {
+pub(super) struct Weightless {
     tuning: Tuning,
     way: Way,
 }
@@ -33,7 +37,7 @@ enum Way {
     Substeps(Box<Contact>),
 }
 
-impl Elastic {
+impl Weightless {
     /// The solver, if it suits these balls, and no number of substeps was asked for.
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
         Self::keeping_pace(world, balls, tuning, Pace::default())
@@ -41,14 +45,17 @@ impl Elastic {
 
     /// The same where impacts have kept pace so far as this says.
     fn keeping_pace(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Option<Self> {
-        let elastic = world.pairs == Some(Pairs::Impulse) && !can_rest(world, balls);
-        if !elastic || balls.len() < 2 || tuning.substeps.is_some() {
+        let suits = world.pairs == Some(Pairs::Impulse) && world.gravity.is_none();
+        if !suits || balls.len() < 2 || tuning.substeps.is_some() {
             return None;
         }
         let overlap = |balls: &[Ball]| max_overlap(&mut Grid::new(balls, world.size), balls);
         let mut apart = Vec::new();
         let mut balls = balls;
         if overlap(balls) > TOUCH {
+            if can_rest(world, balls) && are_heaped(world, balls) {
+                return None;
+            }
             // Nothing else would: there is nothing that presses them apart, and what parts takes its energy from nowhere.
             apart.extend_from_slice(balls);
             take_apart(world, &mut apart);
@@ -72,7 +79,13 @@ impl Elastic {
     }
 }
 
-impl Advance for Elastic {
+/// Whether so many overlap that they lie in heaps.
+fn are_heaped(world: &World, balls: &[Ball]) -> bool {
+    let (one_in, more) = HEAPED;
+    !Grid::new(balls, world.size).find_up_to(balls.len() / one_in + more, balls)
+}
+
+impl Advance for Weightless {
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
         let exact = match &mut self.way {
             Way::Events(exact) => exact,
