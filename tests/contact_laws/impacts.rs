@@ -20,6 +20,21 @@ fn a_ball_gives_back_its_restitution_from_a_wall_at_any_speed() {
     }
 }
 
+/// One wall's push was an impact on the other, and it moved to and fro without going anywhere, for ever: what touched it was hit.
+#[test]
+fn a_ball_as_wide_as_the_box_throws_nothing_that_rolls_off_it() {
+    for (place, gravity) in [(167.5, DVec2::new(0.0, 300.0)), (100.0, DVec2::new(20.0, 300.0))] {
+        let world = world(65.0, 200.0, 0.16).with_gravity(gravity).unwrap();
+        let bouncing = |ball: Ball, mass| ball.with_restitution(0.8).unwrap().with_mass(mass).unwrap();
+        let balls = vec![bouncing(ball(32.5, place, 32.5), 1000.0), bouncing(ball(6.0, 50.0, 5.0), 25.0)];
+        let mut wide = simulation(world, balls);
+        let scale = 25.0 * gravity.y * 5.0;
+        let rises = rise(&mut wide, 1800);
+        assert!(rises < 1e-3 * scale, "by {} of what lifts the small one by its radius", rises / scale);
+        assert_eq!(fastest(&wide), 0.0);
+    }
+}
+
 /// By rounding, these two pairs met again at once, and at each end of a substep, and stayed where they were for ever.
 #[test]
 #[expect(clippy::unreadable_literal, reason = "as they were found")]

@@ -34,6 +34,19 @@ fn a_column_at_rest_sleeps_and_falls_when_its_foot_is_knocked_away() {
     }
 }
 
+#[test]
+fn a_fixed_ball_that_is_put_into_a_sleeper_wakes_it_and_they_part() {
+    let lying = |x: f64| ball(x, 285.0, 15.0).with_restitution(0.3).unwrap();
+    let world = world(400.0, 300.0, 0.3).with_gravity(EARTH).unwrap();
+    let mut floor = simulation(world, vec![lying(200.0), lying(100.0)]);
+    floor.advance(3.0).unwrap();
+    assert!(floor.balls().iter().all(|ball| ball.velocity() == DVec2::ZERO));
+    floor.add(&[ball(206.0, 262.0, 15.0).fixed()]).unwrap();
+    assert!(overlap(&floor) > 0.4);
+    floor.advance(3.0).unwrap();
+    assert!(overlap(&floor) < 0.05, "{} of a radius", overlap(&floor));
+}
+
 /// One that came slowly turned back, as off a wall, whatever its mass.
 #[test]
 fn a_slow_ball_gives_a_lighter_one_that_sleeps_its_impulse_and_goes_on() {

@@ -9,6 +9,7 @@ use super::layout::Layout;
 use super::show::Start;
 use super::sleep::Rest;
 use super::team::Team;
+use super::wall_support::any_jams;
 use super::{Contact, can_rest, has_pairs};
 
 impl Advance for Contact {
@@ -71,12 +72,14 @@ impl Advance for Contact {
         if has_pairs(world, balls) != self.pairs
             || can_rest(world, balls) != self.setting.can_rest
             || self.shown.is_some()
+            || self.any_sleeps_in(&balls[self.bodies.len()..])
         {
             return false;
         }
         self.substeps = substeps;
         self.setting.firm = substeps.firm(self.setting.kick);
         self.setting.has_fixed = balls.iter().any(Ball::is_fixed);
+        self.setting.jammed = any_jams(world, balls);
         let known = self.bodies.len();
         for (id, ball) in (known as u32..).zip(&balls[known..]) {
             let body = Body::new(ball, self.setting.kick);

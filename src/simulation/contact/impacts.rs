@@ -18,6 +18,7 @@ use super::legs::Leg;
 use super::meeting::{Approach, Meeting, exchange};
 use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
+use super::wall_support::hold_jammed;
 use super::walls::{bounce_off, first_wall, meet_walls, reaches_wall};
 use super::{Body, SHIFT, Setting, Tally};
 
@@ -328,6 +329,9 @@ impl Stage<'_> {
     /// Notes that a body was hit.
     fn note(&mut self, at: usize, time: f64) {
         let Self { setting, bodies, fates, limits, .. } = self;
+        if setting.jammed.any() {
+            hold_jammed(setting, &mut bodies[at]);
+        }
         let fate = &mut fates[at];
         fate.hits += 1;
         fate.time = time;

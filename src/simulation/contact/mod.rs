@@ -77,7 +77,7 @@ mod walls;
 mod wedges;
 mod weights;
 
-use glam::DVec2;
+use glam::{BVec2, DVec2};
 
 use super::ball::Ball;
 use super::clock::Clock;
@@ -102,6 +102,7 @@ use sweep::{Pass, Share};
 use team::Team;
 use turns::Course;
 use unlike::Unlike;
+use wall_support::hold_jammed;
 
 /// A ball that an impact shifts by less than this part of its radius counts as not shifted.
 const SHIFT: f64 = 0.02;
@@ -121,6 +122,8 @@ struct Setting {
     can_rest: bool,
     /// Whether any ball is fixed.
     has_fixed: bool,
+    /// Along which axes any ball that can be moved has no room between walls.
+    jammed: BVec2,
     /// How flat a wedge under a ball asleep counts as flat, as a cosine (`wedges`); none in deep piles, which come to rest later so.
     flat_under_sleeper: Option<f64>,
     /// Whether something may carry balls in this substep that falls with none of them: a fixed one, or a wall near any.
@@ -328,6 +331,7 @@ impl Contact {
     #[inline]
     fn accelerate(&mut self) {
         let Self { setting, bodies, team, .. } = self;
+        let setting = &*setting;
         if !setting.can_rest {
             // Nothing changes a velocity but impacts.
             return;
@@ -349,6 +353,9 @@ impl Contact {
                 let change = body.change(kick);
                 body.free = body.velocity + if body.inverse_mass > 0.0 { kick } else { DVec2::ZERO };
                 body.velocity += change;
+                if setting.jammed.any() {
+                    hold_jammed(setting, body);
+                }
             }
         });
     }

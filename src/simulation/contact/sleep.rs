@@ -13,7 +13,7 @@ use super::loads::Resting;
 use super::stripes::Stripes;
 use super::thrown::THROWN;
 use super::unlike::Unlike;
-use super::{Body, Contact};
+use super::{Ball, Body, Contact};
 
 /// Seconds that a ball must have rested for.
 const WINDOW: f64 = 0.5;
@@ -190,6 +190,14 @@ impl Contact {
         self.wake_around_restless();
         self.all_asleep = self.rests.iter().all(|rest| rest.asleep || rest.counted == 0.0);
         self.asleep = self.rests.iter().filter(|rest| rest.asleep).count();
+    }
+
+    /// Whether any that sleeps lies in a fixed one of these: neither would ever move out of the other.
+    pub(super) fn any_sleeps_in(&self, balls: &[Ball]) -> bool {
+        balls.iter().filter(|ball| ball.is_fixed()).any(|ball| {
+            let mut sleepers = self.bodies.iter().zip(&self.rests).filter(|(_, rest)| rest.asleep);
+            sleepers.any(|(body, _)| body.position.distance(ball.position) < body.radius + ball.radius)
+        })
     }
 
     /// Frees a ball that is moved from outside: it wakes, and what held it holds it no longer.

@@ -21,6 +21,7 @@ use super::softness::Softness;
 use super::stripes::of_layer;
 use super::sweep::Pass;
 use super::unlike::Unlike;
+use super::wall_support::any_jams;
 use super::wedges::FLAT_UNDER_SLEEPER;
 use super::{Contact, Setting, can_rest};
 
@@ -187,6 +188,7 @@ impl Setting {
             kick: DVec2::ZERO,
             can_rest: can_rest(world, balls),
             has_fixed,
+            jammed: any_jams(world, balls),
             flat_under_sleeper: (!substeps.deep).then_some(FLAT_UNDER_SLEEPER),
             grounded: has_fixed || world.walls.is_some(),
             common: DVec2::ZERO,

@@ -1,14 +1,37 @@
 //! What holds balls that press on walls.
 
-use glam::DVec2;
+use glam::{BVec2, DVec2};
 
 use super::constraints::Beside;
 use super::fates::Fate;
 use super::support::Tolerance;
-use super::{Body, Setting};
+use super::{Ball, Body, Setting, World, within};
 
 /// A wall's push that is less than this part of a velocity is rounding.
 const ROUNDING: f64 = 1e-9;
+
+/// A ball is as wide as the world where that is wider by less than this part of it.
+const JAMMED: f64 = 1e-12;
+
+/// Along which axes a ball of this radius has no room between the walls of a world of this size.
+fn jams(size: DVec2, radius: f64) -> BVec2 {
+    (size - 2.0 * radius).cmple(JAMMED * size)
+}
+
+/// Along which axes any ball that can be moved has no room between walls.
+pub(super) fn any_jams(world: &World, balls: &[Ball]) -> BVec2 {
+    let moving = balls.iter().filter(|ball| world.walls.is_some() && !ball.is_fixed());
+    moving.fold(BVec2::FALSE, |any, ball| any | jams(world.size, ball.radius))
+}
+
+/// Holds a ball where it is along axes along which it has no room. One wall's push would else be an impact on the other, and
+/// what it touches would be hit by a ball that goes nowhere, again and again.
+pub(super) fn hold_jammed(setting: &Setting, body: &mut Body) {
+    let jammed = jams(setting.size, body.radius);
+    body.position = DVec2::select(jammed, within(body.position, body.radius, setting.size), body.position);
+    body.velocity = DVec2::select(jammed, DVec2::ZERO, body.velocity);
+    body.free = DVec2::select(jammed, DVec2::ZERO, body.free);
+}
 
 /// Has walls bear the balls that came to rest on them in this substep.
 pub(super) fn lay_on_walls(setting: &Setting, fates: &[Fate], beside: &mut [Beside]) {
@@ -36,6 +59,10 @@ pub(super) fn hold_on_walls(
         (held, beside.push) = hold(setting, body, beside.push);
         most = most.max((body.velocity - held).abs().max_element() / enough.of(body.radius));
         body.velocity = held;
+        if setting.jammed.any() {
+            hold_jammed(setting, body);
+            beside.push = DVec2::select(jams(setting.size, body.radius), DVec2::ZERO, beside.push);
+        }
     }
     most
 }
