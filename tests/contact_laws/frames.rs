@@ -236,6 +236,25 @@ fn balls_are_shown_within_the_walls_between_substeps() {
     }
 }
 
+/// On the line between the ends of a substep it had lost up to all of its speed, and had so after a change in it.
+#[test]
+fn a_ball_that_bounces_to_and_fro_in_a_substep_is_as_fast_within_it_as_before_and_after() {
+    for (gap, speed) in [(0.1, 300.0), (0.3, 100.0), (1.0, 3000.0), (8.0, 2500.0)] {
+        let world = world(40.0 + gap, 4000.0, 1.0).with_gravity(EARTH).unwrap();
+        let slot = simulation(world, vec![moving(ball(20.0 + 0.5 * gap, 100.0, 20.0), speed, 0.0)]);
+        for cut in 0..40 {
+            let mut slot = slot.clone();
+            slot.advance(0.01 + 0.0017 * f64::from(cut)).unwrap();
+            let shown = slot.balls()[0].velocity().x.abs();
+            slot.set_gravity(EARTH).unwrap();
+            slot.advance(0.1).unwrap();
+            for across in [shown, slot.balls()[0].velocity().x.abs()] {
+                assert!((across / speed - 1.0).abs() < 1e-9, "{gap} px, {speed} px/s, cut {cut}: {across}");
+            }
+        }
+    }
+}
+
 /// What a wall holds showed its mean velocity through a substep along the wall, too.
 #[test]
 fn a_ball_that_slides_along_a_wall_is_as_fast_as_gravity_has_made_it() {

@@ -137,7 +137,12 @@ impl Contact {
         let Some(start) = self.before.get(at) else { return end };
         let line = || (start.position.lerp(end.0, share), start.velocity.lerp(end.1, share));
         if self.course.was_hit(at) {
-            return self.seen_on_legs(at, start, share).unwrap_or_else(line);
+            return self.seen_on_legs(at, start, share).unwrap_or_else(|| {
+                let (place, velocity) = line();
+                // What flies on ways that are not known has turned round, and would seem slow between them.
+                let nearer = if share < 0.5 { start.velocity } else { end.1 };
+                (place, if self.flies(at) { nearer } else { velocity })
+            });
         }
         let (place, velocity) = line();
         (if self.flies(at) { self.bent(at, place, share) } else { place }, velocity)
