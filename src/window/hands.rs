@@ -67,28 +67,33 @@ impl Hands {
         self.pointer = None;
     }
 
-    /// The left button goes down: takes the ball at the pointer, or else begins to throw a new one.
-    pub(super) fn press(&mut self, session: &Session) -> Result<(), CommandError> {
-        let Some(pointer) = self.pointer else { return Ok(()) };
-        let Some(index) = session.ball_at(pointer) else {
-            self.grip = Grip::New(pointer);
+    /// Where the pointer is, px of the world; none where it is not over the window.
+    pub(super) fn pointer(&self) -> Option<DVec2> {
+        self.pointer
+    }
+
+    /// The left button went down at `place`, where the pointer may be no longer: takes the ball there, or else begins to
+    /// throw a new one.
+    pub(super) fn press(&mut self, place: DVec2, session: &Session) -> Result<(), CommandError> {
+        let Some(index) = session.ball_at(place) else {
+            self.grip = Grip::New(place);
             return Ok(());
         };
         let ball = &session.simulation().balls()[index];
         if ball.is_fixed() {
             return Err(CommandError::Fixed);
         }
-        let offset = ball.position() - pointer;
+        let offset = ball.position() - place;
         self.grip = Grip::Ball { index, offset, put: ball.position() };
         Ok(())
     }
 
-    /// The left button goes up: a held ball flies on as it is; a new one is added, at rest after a click, and thrown
-    /// the faster the longer the line after a drag.
-    pub(super) fn release(&mut self) -> Option<Change> {
+    /// The left button went up at `place`: a held ball flies on as it is; a new one is added, at rest after a click, and
+    /// thrown the faster the longer the line after a drag.
+    pub(super) fn release(&mut self, place: Option<DVec2>) -> Option<Change> {
         match std::mem::replace(&mut self.grip, Grip::Nothing) {
             Grip::New(position) => {
-                let velocity = self.velocity(position);
+                let velocity = place.map_or(DVec2::ZERO, |to| thrown(position, to));
                 Some(Change::AddBall { position, velocity, radius: self.radius })
             }
             Grip::Nothing | Grip::Ball { .. } => None,
@@ -120,13 +125,14 @@ impl Hands {
         (std::mem::replace(put, to) != to).then_some(Change::Place { ball: *index, at: to })
     }
 
-    /// The right button: the place whose ball is to go. Where one is about to be thrown, it is not, and that is all.
-    pub(super) fn pick(&mut self) -> Option<DVec2> {
+    /// The right button went down at `place`: the ball that is to go. Where one is about to be thrown, it is not, and
+    /// that is all.
+    pub(super) fn pick(&mut self, place: Option<DVec2>, session: &Session) -> Option<usize> {
         if let Grip::New(_) = self.grip {
             self.drop_all();
             return None;
         }
-        self.pointer
+        session.ball_at(place?)
     }
 
     /// The wheel: the next ball grows by so many notches, or shrinks. Its new radius, px.
@@ -150,7 +156,7 @@ impl Hands {
             (Grip::Ball { index, .. }, _) => Some(Gesture::Hold(index)),
             (Grip::New(from), Some(to)) => {
                 let radius = session.room_at(from, self.radius);
-                Some(Gesture::Throw { from, to, velocity: self.velocity(from), radius })
+                Some(Gesture::Throw { from, to, velocity: thrown(from, to), radius })
             }
             (Grip::Nothing, Some(at)) => Some(match session.ball_at(at) {
                 Some(index) => Gesture::Over(index),
@@ -159,12 +165,12 @@ impl Hands {
             (_, None) => None,
         }
     }
+}
 
-    /// The velocity of a ball that is thrown from here, px/s.
-    fn velocity(&self, from: DVec2) -> DVec2 {
-        let line = self.pointer.map_or(DVec2::ZERO, |pointer| pointer - from);
-        if line.length() < CLICK { DVec2::ZERO } else { line * THROW }
-    }
+/// The velocity of a ball that is thrown by a line from here to there, px/s.
+fn thrown(from: DVec2, to: DVec2) -> DVec2 {
+    let line = to - from;
+    if line.length() < CLICK { DVec2::ZERO } else { line * THROW }
 }
 
 #[cfg(test)]
@@ -187,12 +193,10 @@ mod tests {
         for (dragged, velocity) in
             [(DVec2::new(2.0, 1.0), DVec2::ZERO), (DVec2::new(50.0, -20.0), DVec2::new(200.0, -80.0))]
         {
-            hands.point_at(FREE);
-            hands.press(&session).unwrap();
-            hands.point_at(FREE + dragged);
+            hands.press(FREE, &session).unwrap();
             let added = Change::AddBall { position: FREE, velocity, radius: CLICK_RADIUS };
-            assert_eq!(hands.release(), Some(added));
-            assert_eq!(hands.release(), None);
+            assert_eq!(hands.release(Some(FREE + dragged)), Some(added));
+            assert_eq!(hands.release(Some(FREE)), None);
         }
     }
 
@@ -203,7 +207,7 @@ mod tests {
         let inside = DVec2::new(5.0, -7.0);
         hands.point_at(centre + inside);
         assert_eq!(hands.gesture(&session), Some(Gesture::Over(2)));
-        hands.press(&session).unwrap();
+        hands.press(centre + inside, &session).unwrap();
         hands.point_at(FREE + inside);
         assert_eq!(hands.hold(&session), Some(Change::Carry { ball: 2, to: FREE }));
         hands.leave();
@@ -212,19 +216,19 @@ mod tests {
         session.apply(Command::TogglePause).unwrap();
         assert_eq!(hands.hold(&session), Some(Change::Place { ball: 2, at: FREE }));
         assert_eq!(hands.hold(&session), None, "nothing to do until the pointer moves");
-        assert_eq!(hands.release(), None);
+        assert_eq!(hands.release(Some(FREE + inside)), None);
         assert!(!hands.are_busy());
     }
 
     #[test]
-    fn the_right_button_is_for_the_place_of_the_pointer_or_against_a_throw() {
+    fn the_right_button_is_for_the_ball_at_its_place_or_against_a_throw() {
         let (mut hands, session) = (Hands::new(), session());
-        assert_eq!(hands.pick(), None);
-        hands.point_at(FREE);
-        assert_eq!(hands.pick(), Some(FREE));
-        hands.press(&session).unwrap();
-        assert_eq!(hands.pick(), None);
-        assert_eq!(hands.release(), None);
+        let ball = session.simulation().balls()[2].position();
+        assert_eq!(hands.pick(Some(FREE), &session), None);
+        assert_eq!(hands.pick(Some(ball), &session), Some(2));
+        hands.press(FREE, &session).unwrap();
+        assert_eq!(hands.pick(Some(ball), &session), None);
+        assert_eq!(hands.release(Some(FREE)), None);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use glam::DVec2;
 use winit::keyboard::{Key, ModifiersState, NamedKey};
 
+use super::overlay::Direction;
 use crate::scene::STAGES;
 use crate::session::{Change, Command};
 use crate::simulation::Solver;
@@ -14,8 +15,6 @@ pub(super) enum Action {
     Do(Command),
     /// Go back in time for as long as the key is held; a frame at a time while paused.
     Rewind,
-    /// Take the ball away that is at this place when its turn comes, px of the world.
-    RemoveAt(DVec2),
     ToggleFigures,
     ToggleTrails,
     ToggleHelp,
@@ -29,12 +28,39 @@ pub(super) enum Action {
     Leave,
 }
 
+/// What a key asks for in the list of scenes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Choice {
+    /// Select the card that lies there.
+    Step(Direction),
+    /// Play the scene that is selected.
+    Open,
+    Close,
+    /// What it asks for everywhere.
+    Do(Action),
+}
+
+/// A key that was pressed. What it does depends on what is open when its turn comes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stroke {
+    /// What it does to what is played.
+    pub(super) action: Option<Action>,
+    /// What it does in the list of scenes.
+    pub(super) choice: Option<Choice>,
+}
+
 /// What an arrow key with control adds to gravity, px/s²: a tenth of the Earth's, at 100 px a metre.
 const TILT: f64 = 98.0;
 
+/// What a key does, if it does anything. `repeat` is true while it is held.
+pub(super) fn stroke(key: &Key, modifiers: ModifiersState, repeat: bool) -> Option<Stroke> {
+    let (action, choice) = (action(key, modifiers, repeat), choice(key, modifiers, repeat));
+    (action.is_some() || choice.is_some()).then_some(Stroke { action, choice })
+}
+
 /// The action of a key, if it has one. `repeat` is true while a key is held: only what can sensibly be done many times
 /// over is.
-pub(super) fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Option<Action> {
+fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Option<Action> {
     let shift = modifiers.shift_key();
     let action = match key {
         // Few keys are ours with control, and those with nothing else.
@@ -46,7 +72,7 @@ pub(super) fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Opti
                 _ => return None,
             }
         }
-        _ if modifiers.control_key() || modifiers.alt_key() || modifiers.super_key() => return None,
+        _ if belong_to_others(modifiers) => return None,
         Key::Named(named) => named_key(*named, shift)?,
         Key::Character(text) => character(text, shift)?,
         _ => return None,
@@ -63,6 +89,30 @@ pub(super) fn action(key: &Key, modifiers: ModifiersState, repeat: bool) -> Opti
             )
     );
     (repeats || !repeat).then_some(action)
+}
+
+/// What a key does in the list of scenes, if anything. Held, it goes on through the cards, and does nothing else.
+fn choice(key: &Key, modifiers: ModifiersState, repeat: bool) -> Option<Choice> {
+    if belong_to_others(modifiers) {
+        return None;
+    }
+    let choice = match key {
+        Key::Named(NamedKey::ArrowLeft) => Choice::Step(Direction::Left),
+        Key::Named(NamedKey::ArrowRight) => Choice::Step(Direction::Right),
+        Key::Named(NamedKey::ArrowUp) => Choice::Step(Direction::Up),
+        Key::Named(NamedKey::ArrowDown) => Choice::Step(Direction::Down),
+        Key::Named(NamedKey::Enter | NamedKey::Space) => Choice::Open,
+        Key::Character(text) if matches!(text.as_str(), "m" | "M") => Choice::Close,
+        // Full screen and pictures are for any view; what acts on balls that nobody sees is not.
+        Key::Named(NamedKey::F11 | NamedKey::F12) => Choice::Do(action(key, modifiers, repeat)?),
+        _ => return None,
+    };
+    (!repeat || matches!(choice, Choice::Step(_))).then_some(choice)
+}
+
+/// Whether a key with these means something to the system, or to nobody.
+fn belong_to_others(modifiers: ModifiersState) -> bool {
+    modifiers.control_key() || modifiers.alt_key() || modifiers.super_key()
 }
 
 fn tilt(key: NamedKey) -> Option<Action> {
@@ -205,6 +255,33 @@ mod tests {
         assert_eq!(action(&Key::Named(NamedKey::Space), none, true), None);
         assert!(action(&Key::Named(NamedKey::ArrowRight), none, true).is_some());
         assert_eq!(action(&Key::Character("A".into()), ModifiersState::SHIFT, true), None);
+    }
+
+    #[test]
+    fn in_the_list_of_scenes_what_is_held_goes_through_the_cards_and_does_not_toggle() {
+        let none = ModifiersState::empty();
+        let held = |key: &Key| (choice(key, none, false), choice(key, none, true));
+        let step = Some(Choice::Step(Direction::Down));
+        assert_eq!(held(&Key::Named(NamedKey::ArrowDown)), (step, step));
+        assert_eq!(held(&Key::Character("m".into())), (Some(Choice::Close), None));
+        assert_eq!(held(&Key::Named(NamedKey::Enter)), (Some(Choice::Open), None));
+        assert_eq!(held(&Key::Named(NamedKey::F12)), (Some(Choice::Do(Action::SavePicture)), None));
+        for key in [Key::Character("a".into()), Key::Named(NamedKey::Tab)] {
+            assert_eq!(held(&key), (None, None), "{key:?}");
+        }
+    }
+
+    #[test]
+    fn modifiers_that_make_a_key_do_nothing_make_it_do_nothing_in_the_list_of_scenes() {
+        for others in [ModifiersState::CONTROL, ModifiersState::ALT, ModifiersState::SUPER] {
+            assert_eq!(stroke(&Key::Character("m".into()), others, false), None);
+            assert_eq!(stroke(&Key::Named(NamedKey::Enter), others, false), None);
+        }
+        let capital = stroke(&Key::Character("M".into()), ModifiersState::SHIFT, false);
+        assert_eq!(
+            capital,
+            Some(Stroke { action: Some(Action::ToggleBrowser), choice: Some(Choice::Close) })
+        );
     }
 
     #[test]

@@ -10,9 +10,10 @@ use winit::event_loop::ActiveEventLoop;
 use winit::keyboard::{Key, ModifiersState, NamedKey};
 use winit::window::Fullscreen;
 
-use super::super::keys::{self, Action};
-use super::super::overlay::{Browser, Direction, Gauge};
+use super::super::keys::{self, Action, Choice, Stroke};
+use super::super::overlay::{Browser, Gauge};
 use super::super::record::Recorder;
+use super::super::waiting::{Input, Press};
 use super::super::watch::Watch;
 use super::super::{Options, words};
 use super::{App, Rewinding};
@@ -34,7 +35,12 @@ impl App {
     pub(super) fn lose_focus(&mut self) {
         self.modifiers = ModifiersState::empty();
         self.stop_rewinding();
-        self.hands.drop_all();
+        // That takes no time: it waits only for a press that came before, or Escape would be taken to stop it.
+        if self.waiting.is_empty() {
+            self.hands.drop_all();
+        } else {
+            self.ask(Input::Drop, false);
+        }
     }
 
     pub(super) fn stop_rewinding(&mut self) {
@@ -48,25 +54,22 @@ impl App {
             }
             return;
         }
-        if self.browser.is_some() && self.browse(&event.logical_key) {
-            return self.request_redraw();
-        }
-        let Some(action) = keys::action(&event.logical_key, self.modifiers, event.repeat) else { return };
+        let Some(stroke) = keys::stroke(&event.logical_key, self.modifiers, event.repeat) else { return };
         // What stops others does not wait for them.
-        if action != Action::Leave {
-            self.ask(action, event.repeat);
+        if stroke.action != Some(Action::Leave) {
+            self.ask(Input::Key(stroke), event.repeat);
         } else if self.leave(Instant::now()) {
             event_loop.exit();
         }
     }
 
-    /// Does an action, now or, where there is no time left for it, before long. Where the key just goes on being held,
-    /// the action is left out instead: what waited would go on after the key was released.
-    pub(super) fn ask(&mut self, action: Action, repeat: bool) {
-        self.rewind_held |= action == Action::Rewind;
+    /// Does what is asked for, now or, where there is no time left for it or something else waits, before long. Where a
+    /// key just goes on being held, it is left out instead: what waited would go on after the key was released.
+    pub(super) fn ask(&mut self, input: Input, repeat: bool) {
+        self.rewind_held |= matches!(input, Input::Key(Stroke { action: Some(Action::Rewind), .. }));
         if self.waiting.is_empty() && self.has_time() {
-            self.act(action);
-        } else if !repeat && !self.waiting.push(action) {
+            self.obey(input);
+        } else if !repeat && !self.waiting.push(input) {
             self.complain("this is more than can be done: some keys were left out".to_owned());
         }
     }
@@ -75,9 +78,24 @@ impl App {
     pub(super) fn catch_up(&mut self) {
         let start = Instant::now();
         while !self.session.is_working() && start.elapsed() < LONGEST_ACT {
-            let Some(action) = self.waiting.pop() else { return };
-            self.act(action);
+            let Some(input) = self.waiting.pop() else { return };
+            self.obey(input);
         }
+    }
+
+    /// Does what was asked for, to what is open now that its turn has come.
+    fn obey(&mut self, input: Input) {
+        let in_list = self.browser.is_some();
+        match input {
+            Input::Key(Stroke { choice: Some(choice), .. }) if in_list => self.browse(choice),
+            Input::Key(Stroke { action: Some(action), .. }) if !in_list => self.act(action),
+            Input::Key(_) => {}
+            Input::Button(press) if in_list => self.press_card(press),
+            Input::Button(press) => self.press_ball(press),
+            Input::Wheel(notches) => self.turn(notches),
+            Input::Drop => self.hands.drop_all(),
+        }
+        self.request_redraw();
     }
 
     /// Whether something may be done at once: this turn of the event loop has not taken long yet, and the session is
@@ -88,9 +106,16 @@ impl App {
 
     /// Leaves what is under way, or what lies over the picture; whether that was nothing, so that the program is left.
     pub(super) fn leave(&mut self, now: Instant) -> bool {
-        if self.is_busy() {
+        if self.browser.is_some() {
+            // What waits came before, and was for the list or for what it would have opened.
+            self.waiting.clear();
+            self.close_browser();
+            self.request_redraw();
+        } else if self.is_busy() {
             self.session.stop_working();
             self.waiting.clear();
+            // The release of what is held may have waited, too.
+            self.hands.drop_all();
             self.say("stopped".to_owned());
         } else if self.hands.are_busy() {
             self.hands.drop_all();
@@ -121,12 +146,6 @@ impl App {
                 self.hands.let_go();
                 self.rewinding = Rewinding::Back;
             }
-            Action::RemoveAt(place) => {
-                // Which ball that is may have changed since the click.
-                if let Some(index) = self.session.ball_at(place) {
-                    self.apply(Change::Remove(index).into());
-                }
-            }
             Action::ToggleHelp => {
                 self.help = !self.help;
                 self.messages.end_hint();
@@ -149,7 +168,6 @@ impl App {
             // Time runs back already, or the key was released before its turn came; to leave is done before it comes here.
             Action::Rewind | Action::Leave => {}
         }
-        self.request_redraw();
     }
 
     /// Shows all scenes; time stands still meanwhile.
@@ -174,22 +192,15 @@ impl App {
         self.stop_clock();
     }
 
-    /// Goes through the list of scenes, and tells whether the key is for it; others do what they always do.
-    pub(super) fn browse(&mut self, key: &Key) -> bool {
-        let Some(browser) = &mut self.browser else { return false };
-        match key {
-            Key::Named(NamedKey::ArrowLeft) => browser.step(Direction::Left),
-            Key::Named(NamedKey::ArrowRight) => browser.step(Direction::Right),
-            Key::Named(NamedKey::ArrowUp) => browser.step(Direction::Up),
-            Key::Named(NamedKey::ArrowDown) => browser.step(Direction::Down),
-            Key::Named(NamedKey::Enter | NamedKey::Space) => self.open_selected(),
-            Key::Named(NamedKey::Escape) => self.close_browser(),
-            Key::Character(text) if matches!(text.as_str(), "m" | "M") => self.close_browser(),
-            // Full screen and pictures are for any view; what acts on balls that nobody sees is not.
-            Key::Named(NamedKey::F11 | NamedKey::F12) => return false,
-            _ => {}
+    /// Does what a key asks for in the list of scenes.
+    fn browse(&mut self, choice: Choice) {
+        match (choice, &mut self.browser) {
+            (Choice::Step(direction), Some(browser)) => browser.step(direction),
+            (Choice::Step(_), None) => {}
+            (Choice::Open, _) => self.open_selected(),
+            (Choice::Close, _) => self.close_browser(),
+            (Choice::Do(action), _) => self.act(action),
         }
-        true
     }
 
     pub(super) fn open_selected(&mut self) {
@@ -299,39 +310,47 @@ impl App {
         }
     }
 
+    /// A button goes down, or up, where the pointer is.
     pub(super) fn press(&mut self, button: MouseButton, state: ElementState) {
-        if let Some(browser) = &mut self.browser {
-            let at = self.pointer;
-            if (button, state) == (MouseButton::Left, ElementState::Pressed) && browser.select_at(at) {
-                self.open_selected();
-            }
-            return self.request_redraw();
+        let press = Press { button, state, pixel: self.pointer, place: self.hands.pointer() };
+        self.ask(Input::Button(press), false);
+    }
+
+    /// A button does its part in the list of scenes.
+    fn press_card(&mut self, press: Press) {
+        let Some(browser) = &mut self.browser else { return };
+        let down = (press.button, press.state) == (MouseButton::Left, ElementState::Pressed);
+        if down && browser.select_at(press.pixel) {
+            self.open_selected();
         }
-        if self.help && state == ElementState::Pressed {
+    }
+
+    /// A button does its part to balls.
+    fn press_ball(&mut self, press: Press) {
+        if self.help && press.state == ElementState::Pressed {
             // The balls behind it are not what is clicked on.
             self.help = false;
-            return self.request_redraw();
+            return;
         }
         self.pointed = Some(Instant::now());
-        match (button, state) {
-            (MouseButton::Left, ElementState::Pressed) => {
-                if let Err(error) = self.hands.press(&self.session) {
+        match (press.button, press.state, press.place) {
+            (MouseButton::Left, ElementState::Pressed, Some(place)) => {
+                if let Err(error) = self.hands.press(place, &self.session) {
                     self.complain(error.to_string());
                 }
             }
-            (MouseButton::Left, ElementState::Released) => {
-                if let Some(change) = self.hands.release() {
-                    self.ask(Action::Do(change.into()), false);
+            (MouseButton::Left, ElementState::Released, place) => {
+                if let Some(change) = self.hands.release(place) {
+                    self.apply(change.into());
                 }
             }
-            (MouseButton::Right, ElementState::Pressed) => {
-                if let Some(place) = self.hands.pick() {
-                    self.ask(Action::RemoveAt(place), false);
+            (MouseButton::Right, ElementState::Pressed, place) => {
+                if let Some(index) = self.hands.pick(place, &self.session) {
+                    self.apply(Change::Remove(index).into());
                 }
             }
-            _ => return,
+            _ => {}
         }
-        self.request_redraw();
     }
 
     pub(super) fn turn_wheel(&mut self, delta: MouseScrollDelta) {
@@ -339,14 +358,17 @@ impl App {
             MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
             MouseScrollDelta::PixelDelta(pixels) => pixels.y / NOTCH,
         };
+        self.ask(Input::Wheel(notches), false);
+    }
+
+    /// The wheel does its part: it scrolls the list of scenes, or sets how large the next ball is.
+    fn turn(&mut self, notches: f64) {
         if let Some(browser) = &mut self.browser {
-            browser.scroll(-notches.signum() as i32);
-            return self.request_redraw();
+            return browser.scroll(-notches.signum() as i32);
         }
         let radius = self.hands.turn(notches);
         self.pointed = Some(Instant::now());
         self.say(format!("next ball: radius {radius:.0} px"));
-        self.request_redraw();
     }
 }
 

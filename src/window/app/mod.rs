@@ -66,7 +66,7 @@ pub(super) struct App {
     frames_per_second: Option<f64>,
     /// The turn of the event loop, since it woke.
     turn: Turn,
-    /// What keys asked for that there was no time for yet.
+    /// What keys and the mouse asked for that there was no time for yet.
     waiting: Waiting,
     /// When something was last seen under way that took its time.
     busy: Option<Instant>,

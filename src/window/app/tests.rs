@@ -1,9 +1,11 @@
 //! Laws of the application that need no screen.
 
-use winit::event::{ElementState, MouseButton};
+use winit::event::{ElementState, MouseButton, MouseScrollDelta};
+use winit::keyboard::{Key, NamedKey};
 
-use super::super::keys::Action;
+use super::super::keys::{self, Action, Stroke};
 use super::super::overlay::Room;
+use super::super::waiting::Input;
 use super::*;
 use crate::session::{Change, Command, STEP};
 
@@ -42,10 +44,39 @@ fn end_work(app: &mut App) {
     }
 }
 
+/// A turn of the event loop that has only begun, however slow the machine is.
+fn begin_turn(app: &mut App) {
+    app.turn = Turn::begin(Instant::now() + Duration::from_secs(60));
+}
+
+/// A turn in which there is no time for anything more.
+fn end_turn(app: &mut App) {
+    app.turn = Turn::begin(Instant::now().checked_sub(Duration::from_secs(1)).unwrap());
+}
+
 /// A key that is down, in a turn of the event loop that has only begun.
 fn hold(app: &mut App, action: Action, repeat: bool) {
-    app.turn = Turn::begin(Instant::now());
-    app.ask(action, repeat);
+    begin_turn(app);
+    app.ask(Input::Key(Stroke { action: Some(action), choice: None }), repeat);
+}
+
+/// A key that is pressed, whatever it is for.
+fn strike(app: &mut App, key: &Key) {
+    app.ask(Input::Key(keys::stroke(key, ModifiersState::empty(), false).unwrap()), false);
+}
+
+fn letter(text: &str) -> Key {
+    Key::Character(text.into())
+}
+
+/// A button goes down or up, in a turn that has only begun.
+fn press(app: &mut App, button: MouseButton, state: ElementState) {
+    begin_turn(app);
+    app.press(button, state);
+}
+
+fn count(app: &App) -> usize {
+    app.session.simulation().balls().len()
 }
 
 #[test]
@@ -114,9 +145,103 @@ fn time_that_ran_back_to_the_start_stands_there_until_the_key_is_released() {
 
 /// A click of the right button on the ball of this index.
 fn right_click(app: &mut App, index: usize) {
-    app.turn = Turn::begin(Instant::now());
     app.hands.point_at(app.session.simulation().balls()[index].position());
-    app.press(MouseButton::Right, ElementState::Pressed);
+    press(app, MouseButton::Right, ElementState::Pressed);
+}
+
+/// A click of the left button where the pointer is.
+fn click(app: &mut App) {
+    for state in [ElementState::Pressed, ElementState::Released] {
+        press(app, MouseButton::Left, state);
+    }
+}
+
+#[test]
+fn what_comes_after_the_list_of_scenes_was_asked_for_is_for_the_list_also_where_both_wait() {
+    for waits in [false, true] {
+        let open = |keys: &[Key]| {
+            let mut app = app("draw");
+            begin_turn(&mut app);
+            if waits {
+                end_turn(&mut app);
+            }
+            for key in keys {
+                strike(&mut app, key);
+            }
+            assert_eq!(app.waiting.is_empty(), !waits);
+            end_work(&mut app);
+            (app.session.name().to_owned(), count(&app), app.browser.is_some())
+        };
+        let (m, a, r) = (letter("m"), letter("a"), letter("r"));
+        let (right, enter) = (Key::Named(NamedKey::ArrowRight), Key::Named(NamedKey::Enter));
+        let is = |scene: &str, balls, open| (scene.to_owned(), balls, open);
+        assert_eq!(open(&[m.clone(), a.clone(), a.clone()]), is("draw", 1, true));
+        assert_eq!(open(&[a.clone(), m.clone(), r]), is("draw", 2, true));
+        assert_eq!(open(&[m.clone(), m.clone(), a]), is("draw", 2, false));
+        let next = [m, right, enter];
+        assert_eq!(open(&next), is("move", 1, false));
+        assert_eq!(open(&[next.clone(), next].concat()), is("two", 2, false));
+    }
+}
+
+#[test]
+fn a_click_that_waits_is_for_what_is_open_when_its_turn_comes() {
+    let mut app = app("draw");
+    app.hands.point_at(DVec2::new(900.0, 300.0));
+    begin_work(&mut app);
+    strike(&mut app, &letter("m"));
+    click(&mut app);
+    end_work(&mut app);
+    assert!(app.browser.is_some() && !app.hands.are_busy());
+    assert_eq!(count(&app), 1);
+}
+
+#[test]
+fn a_click_that_waits_is_where_the_pointer_was_and_as_large_as_the_wheel_had_said() {
+    let mut app = app("draw");
+    let [first, second] = [300.0, 500.0].map(|y| DVec2::new(900.0, y));
+    begin_work(&mut app);
+    app.hands.point_at(first);
+    click(&mut app);
+    app.turn_wheel(MouseScrollDelta::LineDelta(0.0, 1.0));
+    app.hands.point_at(second);
+    click(&mut app);
+    app.hands.point_at(DVec2::ZERO);
+    end_work(&mut app);
+    let places: Vec<_> = app.session.simulation().balls()[1..]
+        .iter()
+        .map(|ball| (ball.position(), ball.radius().round()))
+        .collect();
+    assert_eq!(places, [(first, 20.0), (second, 22.0)]);
+}
+
+#[test]
+fn escape_waits_for_nothing_and_what_waits_before_it_is_forgotten() {
+    let mut app = app("draw");
+    for open in [false, true] {
+        begin_turn(&mut app);
+        if open {
+            strike(&mut app, &letter("m"));
+        }
+        end_turn(&mut app);
+        for key in [letter("m"), Key::Named(NamedKey::Enter), letter("a")] {
+            strike(&mut app, &key);
+        }
+        assert!(!app.leave(Instant::now()));
+        assert!(app.waiting.is_empty() && app.browser.is_none());
+    }
+    assert_eq!(count(&app), 1);
+}
+
+#[test]
+fn what_was_dropped_with_the_focus_is_not_taken_by_a_press_before_it() {
+    let mut app = app("draw");
+    begin_work(&mut app);
+    app.hands.point_at(DVec2::new(900.0, 300.0));
+    app.press(MouseButton::Left, ElementState::Pressed);
+    app.lose_focus();
+    end_work(&mut app);
+    assert!(!app.hands.are_busy());
 }
 
 #[test]
@@ -139,7 +264,7 @@ fn right_clicks_take_the_balls_away_that_they_were_on_also_where_they_wait() {
 fn a_ball_that_is_held_and_taken_away_is_not_held() {
     let mut app = app("gravity");
     app.hands.point_at(app.session.simulation().balls()[4].position());
-    app.press(MouseButton::Left, ElementState::Pressed);
+    press(&mut app, MouseButton::Left, ElementState::Pressed);
     assert!(app.hands.are_busy());
     right_click(&mut app, 4);
     assert_eq!(app.session.simulation().balls().len(), 14);
@@ -149,7 +274,7 @@ fn a_ball_that_is_held_and_taken_away_is_not_held() {
 /// The left button goes down where no ball is, and the pointer moves on.
 fn begin_throw(app: &mut App) {
     app.hands.point_at(DVec2::new(900.0, 300.0));
-    app.press(MouseButton::Left, ElementState::Pressed);
+    press(app, MouseButton::Left, ElementState::Pressed);
     app.hands.point_at(DVec2::new(950.0, 300.0));
     assert!(app.hands.are_busy());
 }
@@ -159,12 +284,13 @@ fn a_throw_ends_where_its_release_would_not_be_seen() {
     let mut app = app("draw");
     begin_throw(&mut app);
     app.open_browser();
-    app.press(MouseButton::Left, ElementState::Released);
+    press(&mut app, MouseButton::Left, ElementState::Released);
     app.close_browser();
     assert!(!app.hands.are_busy());
     begin_throw(&mut app);
+    end_turn(&mut app);
     app.lose_focus();
-    assert!(!app.hands.are_busy());
+    assert!(!app.hands.are_busy() && !app.is_busy());
 }
 
 #[test]
@@ -188,9 +314,7 @@ fn a_click_on_the_help_closes_it_and_adds_no_ball_behind_it() {
     let mut app = app("draw");
     app.help = true;
     app.hands.point_at(DVec2::new(900.0, 300.0));
-    for state in [ElementState::Pressed, ElementState::Released] {
-        app.press(MouseButton::Left, state);
-    }
+    click(&mut app);
     assert!(!app.help);
     assert_eq!(app.session.simulation().balls().len(), 1);
 }
@@ -200,7 +324,7 @@ fn what_the_hand_is_on_or_holds_is_not_drawn_over_the_help_or_the_list_of_scenes
     let mut app = app("gravity");
     let ball = app.session.simulation().balls()[4].position();
     let room = Room { picture: app.session.simulation().world().size(), scale: 1.0 };
-    for begin in [|_: &mut App| {}, |app: &mut App| app.press(MouseButton::Left, ElementState::Pressed)] {
+    for begin in [|_: &mut App| {}, |app: &mut App| press(app, MouseButton::Left, ElementState::Pressed)] {
         for action in [Action::ToggleHelp, Action::ToggleBrowser] {
             app.hands.point_at(ball);
             app.pointed = Some(Instant::now());
