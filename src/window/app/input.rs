@@ -27,6 +27,8 @@ const GRAVITY_SHOWN: Duration = Duration::from_secs(3);
 const LONGEST_ACT: Duration = Duration::from_millis(25);
 /// For so long after something took its time, Escape is still meant to stop that, and does not end the program.
 const LATE: Duration = Duration::from_millis(700);
+/// For so long after a click chose a scene, another is the second half of a double click, and not for the scene.
+const DOUBLE_CLICK: Duration = Duration::from_millis(500);
 /// Pixels of a smooth wheel that count as one notch.
 const NOTCH: f64 = 40.0;
 
@@ -296,18 +298,19 @@ impl App {
     }
 
     pub(super) fn point_at(&mut self, position: PhysicalPosition<f64>) {
-        let Some((window, _)) = &self.screen else { return };
-        // Also where the list of scenes is not open yet: a click there may come without a move.
+        let scale = self.screen.as_ref().map_or(1.0, |(window, _)| window.scale_factor());
+        // For balls and cards alike, whatever is open: a click may come without a move after the list of scenes was
+        // opened, or closed.
         self.pointer = DVec2::new(position.x, position.y);
+        let moved = self.hands.point_at(self.pointer / scale);
         if let Some(browser) = &mut self.browser {
             browser.point_at(self.pointer);
-            return self.request_redraw();
-        }
-        let position = position.to_logical(window.scale_factor());
-        if self.hands.point_at(DVec2::new(position.x, position.y)) {
+        } else if moved {
             self.pointed = Some(Instant::now());
-            self.request_redraw();
+        } else {
+            return;
         }
+        self.request_redraw();
     }
 
     /// A button goes down, or up, where the pointer is.
@@ -322,6 +325,7 @@ impl App {
         let down = (press.button, press.state) == (MouseButton::Left, ElementState::Pressed);
         if down && browser.select_at(press.pixel) {
             self.open_selected();
+            self.clicked = Some(Instant::now());
         }
     }
 
@@ -332,9 +336,11 @@ impl App {
             self.help = false;
             return;
         }
-        self.pointed = Some(Instant::now());
+        let now = Instant::now();
+        self.pointed = Some(now);
+        let again = self.clicked.is_some_and(|at| now.saturating_duration_since(at) < DOUBLE_CLICK);
         match (press.button, press.state, press.place) {
-            (MouseButton::Left, ElementState::Pressed, Some(place)) => {
+            (MouseButton::Left, ElementState::Pressed, Some(place)) if !again => {
                 if let Err(error) = self.hands.press(place, &self.session) {
                     self.complain(error.to_string());
                 }

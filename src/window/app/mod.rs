@@ -81,6 +81,8 @@ pub(super) struct App {
     help: bool,
     /// The list of scenes, while it is open.
     browser: Option<Browser>,
+    /// When a click there last chose a scene.
+    clicked: Option<Instant>,
     /// Where the pointer is, in pixels.
     pointer: DVec2,
     /// Where balls went, while that is shown, and the simulated time that was painted last.
@@ -252,6 +254,7 @@ impl App {
             rewind_held: false,
             help: false,
             browser: None,
+            clicked: None,
             pointer: DVec2::ZERO,
             trails: None,
             time: 0.0,

@@ -1,5 +1,6 @@
 //! Laws of the application that need no screen.
 
+use winit::dpi::PhysicalPosition;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta};
 use winit::keyboard::{Key, NamedKey};
 
@@ -154,6 +155,39 @@ fn click(app: &mut App) {
     for state in [ElementState::Pressed, ElementState::Released] {
         press(app, MouseButton::Left, state);
     }
+}
+
+/// The list of scenes, opened and laid out.
+fn open_list(app: &mut App) {
+    app.open_browser();
+    let room = Room { picture: DVec2::new(1280.0, 720.0), scale: 1.0 };
+    app.browser.as_mut().unwrap().lay_out(room);
+}
+
+#[test]
+fn after_the_list_of_scenes_was_closed_the_mouse_acts_where_the_pointer_is() {
+    let mut app = app("draw");
+    app.point_at(PhysicalPosition::new(200.0, 600.0));
+    open_list(&mut app);
+    app.point_at(PhysicalPosition::new(900.0, 300.0));
+    app.close_browser();
+    click(&mut app);
+    assert_eq!(app.session.simulation().balls()[1].position(), DVec2::new(900.0, 300.0));
+}
+
+#[test]
+fn a_double_click_on_a_card_plays_its_scene_and_adds_no_ball() {
+    let mut app = app("draw");
+    open_list(&mut app);
+    // On the second card.
+    app.point_at(PhysicalPosition::new(350.0, 150.0));
+    click(&mut app);
+    assert_eq!((app.session.name(), app.browser.is_some()), ("move", false));
+    click(&mut app);
+    assert_eq!(count(&app), 1);
+    app.clicked = Instant::now().checked_sub(Duration::from_secs(1));
+    click(&mut app);
+    assert_eq!(count(&app), 2, "a click that is none of both");
 }
 
 #[test]
