@@ -32,6 +32,8 @@ enum Grip {
         index: usize,
         /// From the pointer to the ball's centre.
         offset: DVec2,
+        /// Where the hand last wanted it.
+        wanted: DVec2,
         /// Where it was last put down while time stood still.
         put: DVec2,
     },
@@ -84,19 +86,25 @@ impl Hands {
             return Err(CommandError::Fixed);
         }
         let offset = ball.position() - place;
-        self.grip = Grip::Ball { index, offset, put: ball.position() };
+        // As it will be computed for a hand that has not moved.
+        let at = place + offset;
+        self.grip = Grip::Ball { index, offset, wanted: at, put: at };
         Ok(())
     }
 
-    /// The left button went up at `place`: a held ball flies on as it is; a new one is added, at rest after a click, and
-    /// thrown the faster the longer the line after a drag.
-    pub(super) fn release(&mut self, place: Option<DVec2>) -> Option<Change> {
+    /// The left button went up at `place`: a held ball flies on, once it was brought along where the hand has moved since
+    /// the last frame; a new one is added, at rest after a click, and thrown the faster the longer the line after a drag.
+    pub(super) fn release(&mut self, place: Option<DVec2>, session: &Session) -> Option<Change> {
         match std::mem::replace(&mut self.grip, Grip::Nothing) {
             Grip::New(position) => {
                 let velocity = place.map_or(DVec2::ZERO, |to| thrown(position, to));
                 Some(Change::AddBall { position, velocity, radius: self.radius })
             }
-            Grip::Nothing | Grip::Ball { .. } => None,
+            Grip::Ball { index, offset, wanted, .. } => {
+                let to = place? + offset;
+                (to != wanted).then(|| bring(index, to, session))
+            }
+            Grip::Nothing => None,
         }
     }
 
@@ -115,14 +123,14 @@ impl Hands {
     /// What the hand does to the ball that it holds before a frame: pulls it along, or, while time stands still, puts
     /// it elsewhere.
     pub(super) fn hold(&mut self, session: &Session) -> Option<Change> {
-        let (Grip::Ball { index, offset, put }, Some(pointer)) = (&mut self.grip, self.pointer) else {
+        let (Grip::Ball { index, offset, wanted, put }, Some(pointer)) = (&mut self.grip, self.pointer)
+        else {
             return None;
         };
         let to = pointer + *offset;
-        if session.is_moving() {
-            return Some(Change::Carry { ball: *index, to });
-        }
-        (std::mem::replace(put, to) != to).then_some(Change::Place { ball: *index, at: to })
+        *wanted = to;
+        let is_there = !session.is_moving() && std::mem::replace(put, to) == to;
+        (!is_there).then(|| bring(*index, to, session))
     }
 
     /// The right button went down at `place`: the ball that is to go. Where one is about to be thrown, it is not, and
@@ -167,6 +175,11 @@ impl Hands {
     }
 }
 
+/// What brings a ball to where the hand wants it: it is pulled along, or, while time stands still, put there.
+fn bring(ball: usize, to: DVec2, session: &Session) -> Change {
+    if session.is_moving() { Change::Carry { ball, to } } else { Change::Place { ball, at: to } }
+}
+
 /// The velocity of a ball that is thrown by a line from here to there, px/s.
 fn thrown(from: DVec2, to: DVec2) -> DVec2 {
     let line = to - from;
@@ -195,8 +208,8 @@ mod tests {
         {
             hands.press(FREE, &session).unwrap();
             let added = Change::AddBall { position: FREE, velocity, radius: CLICK_RADIUS };
-            assert_eq!(hands.release(Some(FREE + dragged)), Some(added));
-            assert_eq!(hands.release(Some(FREE)), None);
+            assert_eq!(hands.release(Some(FREE + dragged), &session), Some(added));
+            assert_eq!(hands.release(Some(FREE), &session), None);
         }
     }
 
@@ -216,8 +229,24 @@ mod tests {
         session.apply(Command::TogglePause).unwrap();
         assert_eq!(hands.hold(&session), Some(Change::Place { ball: 2, at: FREE }));
         assert_eq!(hands.hold(&session), None, "nothing to do until the pointer moves");
-        assert_eq!(hands.release(Some(FREE + inside)), None);
+        assert_eq!(hands.release(Some(FREE + inside), &session), None);
         assert!(!hands.are_busy());
+    }
+
+    #[test]
+    fn a_ball_that_was_moved_since_the_last_frame_is_brought_there_when_it_is_let_go() {
+        let (mut hands, mut session) = (Hands::new(), session());
+        let at = session.simulation().balls()[2].position() + DVec2::new(5.3, -7.1);
+        let mut release = |session: &Session, place: DVec2| {
+            hands.press(at, session).unwrap();
+            hands.release(Some(place), session)
+        };
+        let moved = at + DVec2::new(300.0, 100.0);
+        assert!(matches!(release(&session, moved), Some(Change::Carry { ball: 2, .. })));
+        assert_eq!(release(&session, at), None, "a click changes nothing");
+        session.apply(Command::TogglePause).unwrap();
+        assert!(matches!(release(&session, moved), Some(Change::Place { ball: 2, .. })));
+        assert_eq!(release(&session, at), None);
     }
 
     #[test]
@@ -228,7 +257,7 @@ mod tests {
         assert_eq!(hands.pick(Some(ball), &session), Some(2));
         hands.press(FREE, &session).unwrap();
         assert_eq!(hands.pick(Some(ball), &session), None);
-        assert_eq!(hands.release(Some(FREE)), None);
+        assert_eq!(hands.release(Some(FREE), &session), None);
     }
 
     #[test]

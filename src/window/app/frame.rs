@@ -124,11 +124,9 @@ impl App {
         if let Err(error) = self.session.work_while(&mut go_on) {
             self.complain(error.to_string());
         }
-        if !self.session.is_working()
-            && let Some(change) = self.hands.hold(&self.session)
-        {
-            // A ball that has no room where the hand is stays where it was.
-            let _ = self.session.apply(change.into());
+        if !self.session.is_working() {
+            let change = self.hands.hold(&self.session);
+            self.bring(change);
         }
         if self.browser.is_some() {
             return Ok(measured);

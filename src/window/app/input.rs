@@ -346,8 +346,9 @@ impl App {
                 }
             }
             (MouseButton::Left, ElementState::Released, place) => {
-                if let Some(change) = self.hands.release(place) {
-                    self.apply(change.into());
+                match self.hands.release(place, &self.session) {
+                    Some(change @ Change::AddBall { .. }) => self.apply(change.into()),
+                    held => self.bring(held),
                 }
             }
             (MouseButton::Right, ElementState::Pressed, place) => {
@@ -356,6 +357,14 @@ impl App {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Does to a held ball what the hand wants, if anything.
+    pub(super) fn bring(&mut self, change: Option<Change>) {
+        if let Some(change) = change {
+            // A ball that has no room where the hand is stays where it was.
+            let _ = self.session.apply(change.into());
         }
     }
 

@@ -314,6 +314,26 @@ fn begin_throw(app: &mut App) {
 }
 
 #[test]
+fn a_ball_that_is_held_goes_where_it_is_let_go_also_where_no_frame_came_since_it_was_taken() {
+    for (paused, speed) in [(true, 0.0), (false, 3000.0)] {
+        let mut app = app("draw");
+        if paused {
+            app.session.apply(Command::TogglePause).unwrap();
+        }
+        let from = app.session.simulation().balls()[0].position();
+        let to = from + DVec2::new(100.0, 0.0);
+        app.point_at(PhysicalPosition::new(from.x, from.y));
+        press(&mut app, MouseButton::Left, ElementState::Pressed);
+        app.point_at(PhysicalPosition::new(to.x, to.y));
+        press(&mut app, MouseButton::Left, ElementState::Released);
+        let ball = app.session.simulation().balls()[0];
+        let place = if paused { to } else { from };
+        assert!(ball.position().distance(place) < 1e-9, "{}", ball.position());
+        assert!((ball.velocity().length() - speed).abs() < 1e-6, "{}", ball.velocity());
+    }
+}
+
+#[test]
 fn a_throw_ends_where_its_release_would_not_be_seen() {
     let mut app = app("draw");
     begin_throw(&mut app);
