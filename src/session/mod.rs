@@ -232,6 +232,18 @@ impl Session {
         }
     }
 
+    /// Takes a scene's first frame, which has a delta of 0, where that is still to come: only then is it known which
+    /// balls touch.
+    ///
+    /// # Errors
+    /// [`OutOfRange`](crate::OutOfRange): never, for a delta of 0.
+    pub fn begin(&mut self) -> Result<(), crate::OutOfRange> {
+        if self.state.fresh && !self.is_working() && !self.is_in_the_past() {
+            self.frame(0.0, 0.0, &mut || true)?;
+        }
+        Ok(())
+    }
+
     /// Takes a frame of something new, which is `watched` for so many seconds, and returns the seconds that it moved
     /// on.
     fn frame(

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use tiny_skia::Pixmap;
 
+use super::super::overlay::Room;
 use super::super::problem::SaveError;
 use super::super::record::Recorder;
 use super::super::{files, picture};
@@ -15,21 +16,36 @@ const RECORDER_LOOKS: Duration = Duration::from_millis(200);
 
 impl App {
     pub(super) fn save_picture(&mut self) {
-        let Some(picture) = self.picture() else { return };
+        let Some(picture) = self.picture(Instant::now()) else { return };
         let saved = picture::save(self.session.name(), picture.as_ref());
         self.tell_saved("picture", saved);
     }
 
     /// The picture without what is said over it to who sits before the window.
-    pub(super) fn picture(&mut self) -> Option<Pixmap> {
-        let ((_, screen), (overlay, scale)) = (self.screen.as_ref()?, &self.overlay);
-        let mut picture = Pixmap::new(screen.size().width, screen.size().height)?;
+    pub(super) fn picture(&mut self, now: Instant) -> Option<Pixmap> {
+        let scale = self.screen.as_ref()?.0.scale_factor();
+        let room = self.room(scale)?;
+        self.picture_in(room, now)
+    }
+
+    /// The same in such a room: all as it is now, whatever was painted last.
+    pub(super) fn picture_in(&mut self, room: Room, now: Instant) -> Option<Pixmap> {
+        // A scene is not shown before its first frame.
+        let _ = self.session.begin();
+        // This is no frame, and the figures are those of frames.
+        let gauge = self.gauge.clone();
+        let overlay = self.overlay(room, 0.0, now);
+        self.gauge = gauge;
+        let size = (room.picture.x as u32, room.picture.y as u32);
+        let mut picture = Pixmap::new(size.0, size.1)?;
         let target = &mut picture.as_mut();
-        self.painter.paint_aside(self.session.simulation(), *scale, target);
-        if let Some(trails) = &self.trails {
+        let simulation = self.session.simulation();
+        self.painter.paint_aside(simulation, room.scale, target);
+        if let Some(trails) = &mut self.trails {
+            trails.follow(simulation, room.scale, size);
             trails.paint(target);
         }
-        overlay.parts().0.paint(target, *scale);
+        overlay.parts().0.paint(target, room.scale);
         Some(picture)
     }
 
@@ -62,7 +78,7 @@ impl App {
             Some(recorder) if recorder.is_recording() => recorder.stop(now),
             Some(_) => self.complain("the last recording is still being written".to_owned()),
             None => {
-                let Some(picture) = self.picture() else { return };
+                let Some(picture) = self.picture(now) else { return };
                 match Recorder::start(Path::new(""), self.session.name(), picture.as_ref(), now) {
                     Ok(recorder) => {
                         self.recorder = Some(recorder);
@@ -79,7 +95,7 @@ impl App {
     /// Records what still stands there and could not be taken before.
     pub(super) fn record_again(&mut self, now: Instant) {
         self.recorder_again = None;
-        if let Some(picture) = self.picture()
+        if let Some(picture) = self.picture(now)
             && let Some(recorder) = &mut self.recorder
         {
             self.recorder_again = recorder.add_again(picture.as_ref(), now);

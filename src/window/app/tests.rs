@@ -394,6 +394,43 @@ fn what_the_hand_is_on_or_holds_is_not_drawn_over_the_help_or_the_list_of_scenes
     }
 }
 
+/// The picture that is saved now.
+fn saved(app: &mut App) -> Vec<u8> {
+    let room = Room { picture: app.session.simulation().world().size(), scale: 1.0 };
+    app.picture_in(room, Instant::now()).unwrap().take()
+}
+
+#[test]
+fn a_picture_saved_in_the_same_instant_as_another_key_shows_what_that_key_has_done() {
+    let press = |app: &mut App, action: Action| hold(app, action, false);
+    let (reset, draw) = (Action::Do(Change::Reset.into()), Action::Do(Command::Scene(0)));
+    for over in [Action::ToggleFigures, Action::Do(Command::ToggleComparison), Action::ToggleTrails] {
+        let [mut one, mut other] = ["elastic", "draw"].map(app);
+        for app in [&mut one, &mut other] {
+            press(app, over);
+            saved(app);
+            app.session.advance(STEP).unwrap();
+            saved(app);
+        }
+        press(&mut one, draw);
+        press(&mut other, reset);
+        assert!(saved(&mut one) == saved(&mut other), "{over:?}");
+    }
+    // Two of its balls touch from the start.
+    let [mut at_once, mut shown] = ["elastic"; 2].map(app);
+    for app in [&mut at_once, &mut shown] {
+        press(app, reset);
+    }
+    shown.session.advance(0.0).unwrap();
+    assert!(saved(&mut at_once) == saved(&mut shown));
+    let mut app = app("draw");
+    let closed = saved(&mut app);
+    press(&mut app, Action::ToggleBrowser);
+    assert!(saved(&mut app) != closed);
+    app.leave(Instant::now());
+    assert!(saved(&mut app) == closed, "the list of scenes was left");
+}
+
 #[test]
 fn walls_inside_of_the_picture_are_seen() {
     let mut app = app("gravity");

@@ -17,6 +17,7 @@ impl App {
     pub(super) fn paint(&mut self, scale: f64, measured: f64, now: Instant) -> bool {
         let Some(room) = self.room(scale) else { return false };
         let overlay = (self.overlay(room, measured, now), scale);
+        self.overlay_changes = self.next_change(now);
         self.spent("overlay");
         let same = self.overlay == overlay;
         self.overlay = overlay;
@@ -95,7 +96,7 @@ impl App {
         // In the past the world is as large as it was then.
         let world = simulation.world();
         let inside = (world.size() + 0.5).cmplt(room.picture / room.scale).any();
-        let overlay = Overlay {
+        Overlay {
             edge: (inside && world.walls().is_some()).then(|| world.size()),
             comparison: compared,
             hand: self.hand(now),
@@ -107,10 +108,13 @@ impl App {
             recording: recorder.map(|_| now.saturating_duration_since(self.recording_since).as_secs()),
             message: self.messages.shown(now),
             corners: gravity || recorder.is_some(),
-        };
+        }
+    }
+
+    /// When what is painted over the balls next changes by itself.
+    fn next_change(&self, now: Instant) -> Option<Instant> {
         let ends = [self.gravity_until, self.pointed.map(|at| at + POINTED), self.messages.next_change(now)];
-        self.overlay_changes = ends.into_iter().flatten().filter(|&at| at > now).min();
-        overlay
+        ends.into_iter().flatten().filter(|&at| at > now).min()
     }
 
     /// What is shown of the hand, for a while after it has moved, and for as long as it holds something; nothing where

@@ -37,9 +37,9 @@ pub(in crate::window) struct Frame<'a> {
 
 /// Keeps of the frames that it is fed what their figures need.
 ///
-/// A quarter of a second of frames has one set of figures, so that one can read them. Each paused frame in which
-/// anything has changed has its own.
-#[derive(Debug, Default)]
+/// A quarter of a second of frames of one scene has one set of figures, so that one can read them. Each paused frame in
+/// which anything has changed has its own.
+#[derive(Debug, Clone, Default)]
 pub(in crate::window) struct Gauge {
     /// What has come in since the figures were taken.
     sum: Sum,
@@ -120,7 +120,8 @@ impl Gauge {
         for (sum, part) in self.sum.split.iter_mut().zip(frame.split) {
             *sum += part;
         }
-        let due = self.figures.is_none() || frame.paused || self.sum.measured >= STAND;
+        let other = self.figures.as_ref().is_none_or(|figures| figures.scene != frame.scene);
+        let due = other || frame.paused || self.sum.measured >= STAND;
         if due || self.points.back().is_none_or(|last| time >= last.time + SPACING) {
             let point = Point {
                 time,
@@ -250,6 +251,16 @@ mod tests {
         for (part, expected) in figures.split.into_iter().zip([1.0, 2.0, 3.0]) {
             assert!((part - expected).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn another_scene_has_its_own_figures_at_once() {
+        let [one, two] = ["elastic", "draw"].map(|name| Scene::load(name).unwrap().build().unwrap());
+        let mut gauge = Gauge::default();
+        gauge.feed(&frame(&one));
+        gauge.feed(&Frame { scene: "another", ..frame(&two) });
+        let figures = gauge.figures().unwrap();
+        assert_eq!((figures.scene.as_str(), figures.balls), ("another", 1));
     }
 
     #[test]
