@@ -28,7 +28,7 @@ pub(super) struct Watch {
     seen: Option<Stamp>,
     /// What was seen of it when it was read last, and when that was.
     read: Option<(Stamp, Instant)>,
-    /// What was read last.
+    /// What was told last.
     content: Option<Content>,
 }
 
@@ -48,12 +48,12 @@ enum Content {
 }
 
 impl Watch {
-    /// Watches the file at `path`; what is in it now counts as told.
-    pub(super) fn new(path: impl Into<PathBuf>) -> Self {
+    /// Watches the file at `path`, of which this text was told.
+    pub(super) fn new(path: impl Into<PathBuf>, told: &str) -> Self {
         let path = path.into();
         let now = Instant::now();
         let seen = stamp(&path);
-        let content = seen.is_some().then(|| Content::of(&scene::read(&path)));
+        let content = Some(Content::of_text(told));
         Self { next: now + LOOK, read: seen.map(|stamp| (stamp, now)), seen, content, path }
     }
 
@@ -98,14 +98,16 @@ impl Watch {
 impl Content {
     fn of(read: &Result<String, SceneError>) -> Self {
         match read {
-            Ok(text) => {
-                let mut hasher = DefaultHasher::new();
-                text.hash(&mut hasher);
-                Self::Text(hasher.finish())
-            }
+            Ok(text) => Self::of_text(text),
             Err(SceneError::Unreadable { source, .. }) => Self::Unreadable(source.kind()),
             Err(_) => Self::TooLong,
         }
+    }
+
+    fn of_text(text: &str) -> Self {
+        let mut hasher = DefaultHasher::new();
+        text.hash(&mut hasher);
+        Self::Text(hasher.finish())
     }
 }
 
@@ -141,7 +143,7 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("mine.toml");
             fs::write(&path, text(10)).unwrap();
-            let watch = Watch::new(&path);
+            let watch = Watch::new(&path, &text(10));
             let now = watch.next_poll();
             Self { folder, watch, now }
         }
@@ -199,6 +201,14 @@ mod tests {
         assert_eq!(setting.told(20), [Ok(12.0)]);
         fs::write(setting.path(), text(13) + "# and longer\n").unwrap();
         assert_eq!(setting.told(20), [Ok(13.0)]);
+    }
+
+    #[test]
+    fn a_file_that_was_saved_before_it_is_watched_but_after_it_was_read_is_told() {
+        let mut setting = Setting::new();
+        fs::write(setting.path(), text(12)).unwrap();
+        setting.watch = Watch::new(setting.path(), &text(10));
+        assert_eq!(setting.told(20), [Ok(12.0)]);
     }
 
     #[test]
@@ -273,7 +283,7 @@ mod tests {
     fn a_file_that_is_not_there_yet_is_told_when_it_is() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mine.toml");
-        let watch = Watch::new(&path);
+        let watch = Watch::new(&path, "");
         let mut setting = Setting { folder, now: watch.next_poll(), watch };
         assert!(setting.told(3).is_empty());
         fs::write(&path, text(12)).unwrap();

@@ -215,15 +215,9 @@ impl App {
     pub(super) fn apply(&mut self, command: Command) {
         let was_paused = self.session.is_paused();
         let start = Instant::now();
-        if let Err(error) = self.session.apply_while(command, || start.elapsed() < LONGEST_ACT) {
-            self.complain(error.to_string());
-        } else if let Some(text) = words::done(command, &self.session) {
-            if matches!(command, Command::Change(Change::ToggleGravity | Change::TiltGravity(_))) {
-                self.gravity_until = Some(Instant::now() + GRAVITY_SHOWN);
-                self.entitle(text);
-            } else {
-                self.say(text);
-            }
+        match self.session.apply_while(command, || start.elapsed() < LONGEST_ACT) {
+            Ok(()) => self.tell_done(command),
+            Err(error) => self.complain(error.to_string()),
         }
         let keeps_balls = matches!(
             command,
@@ -249,6 +243,20 @@ impl App {
             self.stop_clock();
         }
         self.set_title();
+    }
+
+    /// Tells what a command did, and follows it where it plays another scene.
+    fn tell_done(&mut self, command: Command) {
+        if matches!(command, Command::Scene(_) | Command::NextScene | Command::PreviousScene) {
+            self.watch = watch(self.session.scene(), &self.options);
+        }
+        let Some(text) = words::done(command, &self.session) else { return };
+        if matches!(command, Command::Change(Change::ToggleGravity | Change::TiltGravity(_))) {
+            self.gravity_until = Some(Instant::now() + GRAVITY_SHOWN);
+            self.entitle(text);
+        } else {
+            self.say(text);
+        }
     }
 
     /// Plays the scene file at this path.
@@ -282,6 +290,9 @@ impl App {
                 Ok(()) => {
                     self.hands.let_go();
                     self.stop_clock();
+                    if let Some(browser) = &mut self.browser {
+                        browser.renew(&self.session);
+                    }
                     self.entitle(format!("{} loaded again", self.session.name()));
                 }
                 Err(error) => self.complain(error.to_string()),
@@ -389,5 +400,5 @@ impl App {
 
 /// What tells that the file of a scene was saved, where it has one and that is asked for.
 pub(super) fn watch(scene: &Scene, options: &Options) -> Option<Watch> {
-    scene.file().filter(|_| options.watch).map(Watch::new)
+    scene.file().filter(|_| options.watch).map(|file| Watch::new(file, scene.source()))
 }

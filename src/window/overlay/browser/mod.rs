@@ -35,6 +35,13 @@ struct Card {
     picture: Option<Pixmap>,
 }
 
+impl Card {
+    /// The card of the scene that is played, as it is now.
+    fn played(scene: Scene, now: &Simulation) -> Self {
+        Self { scene, balls: now.balls().len(), solver: now.solver(), picture: None }
+    }
+}
+
 /// The list of scenes, while it is open.
 #[derive(Debug)]
 pub(in crate::window) struct Browser {
@@ -65,13 +72,11 @@ impl Browser {
         }
         let index = scenes.iter().position(same);
         let cards = scenes.into_iter().enumerate().map(|(place, scene)| {
-            let now = session.simulation();
-            let (balls, solver) = if index == Some(place) {
-                (now.balls().len(), now.solver())
-            } else {
-                (scene.build().map_or(0, |simulation| simulation.balls().len()), scene.solver())
-            };
-            Card { scene, balls, solver, picture: None }
+            if index == Some(place) {
+                return Card::played(scene, session.simulation());
+            }
+            let balls = scene.build().map_or(0, |simulation| simulation.balls().len());
+            Card { balls, solver: scene.solver(), scene, picture: None }
         });
         Self {
             cards: cards.collect(),
@@ -81,6 +86,14 @@ impl Browser {
             row: 0,
             layout: Layout::default(),
             painted: None,
+        }
+    }
+
+    /// The file of the scene that is played was loaded again: its card stands for that.
+    pub(in crate::window) fn renew(&mut self, session: &Session) {
+        if let Some(card) = self.played.and_then(|played| self.cards.get_mut(played)) {
+            *card = Card::played(session.scene().clone(), session.simulation());
+            self.painted = None;
         }
     }
 
