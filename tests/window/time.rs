@@ -57,6 +57,19 @@ fn left_held_runs_time_back_to_the_first_picture_and_let_go_it_runs_on() {
 
 #[test]
 #[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn the_title_counts_the_balls_that_the_last_of_single_steps_let_in() {
+    let display = Display::start();
+    let mut window = display.open(&["rain", "--paused"]);
+    window.mouse(&["key", "--repeat", "30", "--delay", "1", "period"]);
+    window.wait_still();
+    let title = window.title();
+    let balls = saved_balls(&mut window, "rain", 1).len();
+    assert!(balls > 50, "{balls}");
+    assert!(title.contains(&format!(" · {balls} balls · ")), "{title}: {balls}");
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
 fn shift_and_right_go_to_the_next_impact_each_time() {
     let display = Display::start();
     let mut window = display.open(&["elastic", "--paused"]);

@@ -96,6 +96,9 @@ impl App {
         }
         if self.is_moving() {
             self.request_redraw();
+        } else {
+            // The last of the frames that were asked for: balls may have come in it.
+            self.set_title();
         }
         if let Some(rate) = self.rate.count(Instant::now()) {
             self.frames_per_second = Some(rate);
