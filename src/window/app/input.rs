@@ -151,6 +151,8 @@ impl App {
             Action::ToggleHelp => {
                 self.help = !self.help;
                 self.messages.end_hint();
+                // The release would act behind it.
+                self.hands.drop_all();
             }
             Action::ToggleTrails => {
                 self.trails = if self.trails.is_some() { None } else { Some(Trails::default()) };

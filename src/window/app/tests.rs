@@ -344,6 +344,13 @@ fn a_throw_ends_where_its_release_would_not_be_seen() {
     app.close_browser();
     assert!(!app.hands.are_busy());
     begin_throw(&mut app);
+    hold(&mut app, Action::ToggleHelp, false);
+    press(&mut app, MouseButton::Left, ElementState::Released);
+    assert_eq!(count(&app), 1);
+    assert!(app.help);
+    assert!(!app.leave(Instant::now()));
+    assert!(!app.help, "there is nothing else to be left first");
+    begin_throw(&mut app);
     end_turn(&mut app);
     app.lose_focus();
     assert!(!app.hands.are_busy() && !app.is_busy());
