@@ -391,8 +391,12 @@ impl App {
 
     /// The wheel does its part: it scrolls the list of scenes, or sets how large the next ball is.
     fn turn(&mut self, notches: f64) {
+        // A wheel may turn sideways only.
+        if !notches.is_normal() {
+            return;
+        }
         if let Some(browser) = &mut self.browser {
-            return browser.scroll(-notches.signum() as i32);
+            return browser.turn(notches);
         }
         let radius = self.hands.turn(notches);
         self.pointed = Some(Instant::now());

@@ -252,6 +252,20 @@ fn a_click_that_waits_is_where_the_pointer_was_and_as_large_as_the_wheel_had_sai
 }
 
 #[test]
+fn a_wheel_that_turns_sideways_does_nothing() {
+    let mut app = app("draw");
+    let before = app.messages.shown(Instant::now()).unwrap().text;
+    for delta in [
+        MouseScrollDelta::LineDelta(1.0, 0.0),
+        MouseScrollDelta::PixelDelta(PhysicalPosition::new(30.0, -0.0)),
+    ] {
+        begin_turn(&mut app);
+        app.turn_wheel(delta);
+        assert_eq!(app.messages.shown(Instant::now()).unwrap().text, before);
+    }
+}
+
+#[test]
 fn escape_waits_for_nothing_and_what_waits_before_it_is_forgotten() {
     let mut app = app("draw");
     for open in [false, true] {

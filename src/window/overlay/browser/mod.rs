@@ -53,6 +53,8 @@ pub(in crate::window) struct Browser {
     pointed: Option<usize>,
     /// The first row that is shown.
     row: usize,
+    /// What the wheel has turned beyond whole notches.
+    turned: f64,
     layout: Layout,
     painted: Option<Page>,
 }
@@ -84,6 +86,7 @@ impl Browser {
             selected: index.unwrap_or(0),
             pointed: None,
             row: 0,
+            turned: 0.0,
             layout: Layout::default(),
             painted: None,
         }
@@ -116,8 +119,17 @@ impl Browser {
         self.painted = None;
     }
 
+    /// Scrolls up by a row for each notch of the wheel, or down. Parts of notches add up.
+    pub(in crate::window) fn turn(&mut self, notches: f64) {
+        let turned = self.turned + notches;
+        self.turned = turned.fract();
+        if turned.abs() >= 1.0 {
+            self.scroll(-turned.trunc() as i32);
+        }
+    }
+
     /// Scrolls down by so many rows, or up.
-    pub(in crate::window) fn scroll(&mut self, rows: i32) {
+    fn scroll(&mut self, rows: i32) {
         self.row = self.row.saturating_add_signed(rows as isize).min(self.last_row());
         self.pointed = None;
         self.painted = None;
@@ -310,6 +322,19 @@ mod tests {
             browser.scroll(-1000);
             assert_eq!(browser.seen().start, 0);
         }
+    }
+
+    #[test]
+    fn parts_of_notches_scroll_when_they_add_up_to_a_whole_one() {
+        let mut browser = browser(SIZES[2]);
+        browser.scroll(-1000);
+        let mut turn = |notches: f64| {
+            browser.turn(notches);
+            browser.row
+        };
+        assert_eq!([-0.25; 8].map(&mut turn), [0, 0, 0, 1, 1, 1, 1, 2]);
+        assert_eq!([0.5, 0.5, -1.0].map(&mut turn), [2, 1, 2]);
+        assert_eq!(turn(1e300), 0);
     }
 
     #[test]
