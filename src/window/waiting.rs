@@ -53,10 +53,11 @@ impl Waiting {
         room
     }
 
-    /// Forgets keys that add or remove balls, for a key that begins a scene. Not those before the list of scenes: what
-    /// that key does there is nothing. Clicks stay, which may choose a scene, or drag on when that has begun.
+    /// Forgets keys that add or remove balls, for a key that begins a scene. Not those before something is saved, which
+    /// shows them, or before the list of scenes, where that key does nothing. Clicks stay, which may choose a scene, or
+    /// drag on when that has begun.
     fn forget_balls(&mut self) {
-        let needed = self.inputs.iter().rposition(opens_list).map_or(0, |index| index + 1);
+        let needed = self.inputs.iter().rposition(needs_balls).map_or(0, |index| index + 1);
         let mut index = 0..;
         self.inputs.retain(|input| index.next() < Some(needed) || !changes_balls(input));
     }
@@ -99,8 +100,18 @@ fn changes_balls(input: &Input) -> bool {
     matches!(action(input), Some(Action::Do(Command::Change(Change::AddRandom(_) | Change::RemoveLast))))
 }
 
-fn opens_list(input: &Input) -> bool {
-    action(input) == Some(Action::ToggleBrowser)
+/// Whether it makes a difference which balls there are when its turn comes, whatever comes after.
+fn needs_balls(input: &Input) -> bool {
+    matches!(
+        action(input),
+        Some(
+            Action::ToggleBrowser
+                | Action::ToggleRecording
+                | Action::SavePicture
+                | Action::SaveScene
+                | Action::SaveReplay
+        )
+    )
 }
 
 #[cfg(test)]
@@ -132,8 +143,14 @@ mod tests {
     #[test]
     fn a_scene_that_begins_leaves_out_the_balls_before_it_and_nothing_else() {
         let slower = Action::Do(Command::Slower);
-        let asked = [ADD, Action::SaveScene, ADD, slower, RESET, ADD];
-        assert_eq!(left(&asked), [Action::SaveScene, slower, RESET, ADD]);
+        assert_eq!(left(&[ADD, slower, ADD, RESET, ADD]), [slower, RESET, ADD]);
+    }
+
+    #[test]
+    fn balls_before_something_that_is_saved_are_added_for_that() {
+        for save in [Action::SavePicture, Action::SaveScene, Action::SaveReplay, Action::ToggleRecording] {
+            assert_eq!(left(&[ADD, save, ADD, RESET]), [ADD, save, RESET]);
+        }
     }
 
     #[test]
