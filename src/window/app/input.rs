@@ -177,8 +177,7 @@ impl App {
     /// Shows all scenes; time stands still meanwhile.
     pub(super) fn open_browser(&mut self) {
         let mut browser = Browser::open(&self.session);
-        let scale = self.screen.as_ref().map(|(window, _)| window.scale_factor());
-        if let Some(room) = scale.and_then(|scale| self.room(scale)) {
+        if let Some(room) = self.room() {
             // What comes before the first picture of the list is for it all the same.
             browser.lay_out(room);
         }

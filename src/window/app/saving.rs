@@ -23,9 +23,7 @@ impl App {
 
     /// The picture without what is said over it to who sits before the window.
     pub(super) fn picture(&mut self, now: Instant) -> Option<Pixmap> {
-        let scale = self.screen.as_ref()?.0.scale_factor();
-        let room = self.room(scale)?;
-        self.picture_in(room, now)
+        self.picture_in(self.room()?, now)
     }
 
     /// The same in such a room: all as it is now, whatever was painted last.

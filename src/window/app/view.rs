@@ -15,7 +15,7 @@ const POINTED: Duration = Duration::from_millis(1500);
 impl App {
     /// Paints what looks other than it did last, and tells whether anything does.
     pub(super) fn paint(&mut self, scale: f64, measured: f64, now: Instant) -> bool {
-        let Some(room) = self.room(scale) else { return false };
+        let Some(room) = self.room() else { return false };
         let overlay = (self.overlay(room, measured, now), scale);
         self.overlay_changes = self.next_change(now);
         self.spent("overlay");
@@ -54,11 +54,12 @@ impl App {
         true
     }
 
-    /// The room on the screen, with `scale` pixels per px of the world.
-    pub(super) fn room(&self, scale: f64) -> Option<Room> {
-        let (_, screen) = self.screen.as_ref()?;
+    /// The room on the screen.
+    pub(super) fn room(&self) -> Option<Room> {
+        let (window, screen) = self.screen.as_ref()?;
         let size = screen.size();
-        Some(Room { picture: DVec2::new(size.width.into(), size.height.into()), scale })
+        let picture = DVec2::new(size.width.into(), size.height.into());
+        Some(Room { picture, scale: window.scale_factor() })
     }
 
     /// What is to be painted over the balls `now`, `measured` seconds after the frame before.
