@@ -119,10 +119,9 @@ impl Simulation {
     /// - [`Solver::Exact`] lays a ball to rest on a wall off which it would bounce more slowly than u, and balls that
     ///   hold each other in balance, to a thousandth of gravity g, together, until something hits them faster than 2u.
     ///   What leans on a ball at rest hops off it at u/2 at least. Balls that chatter lose no energy: those that hit
-    ///   each other more slowly than u and within 2u/g of an impact before, or faster but within 2u²/1000g of its
-    ///   place.
-    ///   Without gravity faster ones that chatter take all approach instead: a ball that is crushed between others, or
-    ///   against a wall, stops them, as its impacts without end would.
+    ///   each other more slowly than u and within 2u/g of an impact before, or faster, under gravity, but within
+    ///   2u²/1000g of its place. Without gravity the demo's g counts, and a crush, whose impacts have no end, stops all
+    ///   that is in it.
     /// - [`Solver::Contact`] leaves impacts slower than u out of the tally under gravity, and moves nothing otherwise. Without
     ///   gravity it does as [`Solver::Exact`].
     /// - [`Solver::Canvas`] does not know it.

@@ -68,7 +68,8 @@ impl Weightless {
         // It would lay those to rest that have no room between walls.
         let jams = |ball: &Ball| (0..2).any(|axis| exact.jams(ball.radius, axis));
         let jammed = free(balls).any(jams);
-        (!jammed).then(|| Self { tuning, way: Way::Events(Box::new(exact.while_it_keeps_pace(so_far))) })
+        let pace = so_far.where_impacts_take(can_rest(world, balls));
+        (!jammed).then(|| Self { tuning, way: Way::Events(Box::new(exact.while_it_keeps_pace(pace))) })
     }
 
     /// Begins anew with what was changed from outside, and returns whether events suit it.

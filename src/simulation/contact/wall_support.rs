@@ -18,9 +18,10 @@ fn jams(size: DVec2, radius: f64) -> BVec2 {
     (size - 2.0 * radius).cmple(JAMMED * size)
 }
 
-/// Along which axes any ball that can be moved has no room between walls.
+/// Along which axes any ball that can be moved, and may be pressed on walls, has no room between them.
 pub(super) fn any_jams(world: &World, balls: &[Ball]) -> BVec2 {
-    let moving = balls.iter().filter(|ball| world.walls.is_some() && !ball.is_fixed());
+    let presses = world.walls.is_some() && world.gravity.is_some();
+    let moving = balls.iter().filter(|ball| presses && !ball.is_fixed());
     moving.fold(BVec2::FALSE, |any, ball| any | jams(world.size, ball.radius))
 }
 

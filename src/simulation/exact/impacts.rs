@@ -5,8 +5,9 @@
 //! without friction, until an impact lifts it. Balls that hit each other more slowly than u, and within 2u/g of an
 //! impact before, lose nothing, and neither do faster ones that have moved less than a thousandth of 2u²/g since: the
 //! TC model of Luding & `McNamara` (1998), in time and in length. What chatters so for long is laid to rest by
-//! `settle`; where there is no gravity, faster hits are what a crush ends in, and take all approach at once, as without end they
-//! would. So are elastic balls where they touch a wall that takes nearly all of it, or are slow between walls that take any.
+//! `settle`. Without gravity no faster ones are chatter: hits that come ever sooner end by themselves, or in a crush, which
+//! stops all that is in it (`pace`). Laid to rest are elastic balls, too, where they touch a wall that takes nearly all of it, or are
+//! slow between walls that take any.
 //!
 //! Nothing is moved, overlaps or not. What overlaps and approaches has an impact now, and what overlaps and parts has
 //! none (Bannerman et al. 2014); what overlaps at rest, as where balls were put into each other, or a window shrank
@@ -95,7 +96,8 @@ impl Exact {
     fn chatter_speed(&self, slot: usize, now: f64) -> f64 {
         let since = now - self.flights[slot].time;
         if self.marks[slot].has(Marks::STRUCK) && since < self.chatter_time {
-            if self.marks[slot].quick_hits() < QUICK {
+            if self.marks[slot].quick_hits() < QUICK || self.gravity == DVec2::ZERO {
+                // Nothing presses what flies together: hits that come ever sooner part it in the end, or have no end.
                 return self.rest_speed;
             }
             let length = (BARELY * self.rest_speed * self.chatter_time).min(self.chatter_length);
@@ -209,19 +211,7 @@ impl Exact {
         let may_chatter = self.takes_energy(restitution) && !self.wedged();
         let chatters = |slot, matter| may_chatter && self.chatters::<N>(slot, matter, &meeting, now);
         let chatter = (chatters(one, first), chatters(other, second));
-        // Ever more hits, nearer and nearer to each other, that no gravity takes any part in: they end in a moment, and all approach
-        // with them.
-        let crushed = (chatter.0 || chatter.1)
-            && restitution < 1.0
-            && self.gravity == DVec2::ZERO
-            && !meeting.slower_than(self.rest_speed);
-        let e = if crushed {
-            0.0
-        } else if chatter.0 || chatter.1 {
-            1.0
-        } else {
-            restitution
-        };
+        let e = if chatter.0 || chatter.1 { 1.0 } else { restitution };
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
         let pressed = N::HOLDS && self.pulls[rests1] != self.pulls[rests2];
         let plain = least == 0.0 && !chatter.0 && !chatter.1 && !self.wedged();
@@ -252,10 +242,6 @@ impl Exact {
         self.foresee_both::<N>(one, other, now);
         if self.beside && plain {
             self.collide_together::<N>(tally, [(one, v1), (other, v2)], now);
-        }
-        if crushed {
-            // What else they touch is part of it.
-            self.settle::<N>(tally, one, now);
         }
         for slot in [one, other] {
             if self.marks[slot].chatter() == Marks::MOST_CHATTER {

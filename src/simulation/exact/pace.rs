@@ -26,9 +26,16 @@ const MOST_AT_ONCE_PER_BALL: usize = 64;
 pub(in crate::simulation) struct Pace {
     /// Impacts that were too many, less those for which there was time since.
     ahead: f64,
+    /// Whether impacts take energy: those that have no end then do.
+    takes_energy: bool,
 }
 
 impl Pace {
+    /// The same where impacts take energy, or not.
+    pub(in crate::simulation) fn where_impacts_take(self, takes_energy: bool) -> Self {
+        Self { takes_energy, ..self }
+    }
+
     /// Takes account of a time of so many seconds, with so many impacts, in which so many balls took part.
     pub(super) fn pass(&mut self, seconds: f64, impacts: f64, busy: usize) {
         let busy = busy as f64;
@@ -58,11 +65,14 @@ impl Exact {
         self.is_stuck() || self.pace.is_some_and(|pace| pace.is_outrun(self.flights.len()))
     }
 
-    /// Whether it has to stop because another event at this time would find balls wedged in.
+    /// Whether it has to stop because another event at this time would find balls wedged in, which would take energy though
+    /// impacts do not.
     #[inline]
     pub(super) fn is_stuck(&self) -> bool {
         // A constant first: this is asked after each event.
-        self.at_once >= MOST_CREEPING && self.pace.is_some() && self.at_once >= self.most_at_once()
+        self.at_once >= MOST_CREEPING
+            && self.pace.is_some_and(|pace| !pace.takes_energy)
+            && self.at_once >= self.most_at_once()
     }
 
     /// Whether balls are wedged in without room, so that they hit each other endlessly at one time.
