@@ -24,7 +24,7 @@ mod solver;
 mod weightless;
 mod world;
 
-use glam::DVec2;
+use glam::{BVec2, DVec2};
 
 pub use ball::Ball;
 use clock::Clock;
@@ -373,6 +373,15 @@ impl Simulation {
     fn rebuild(&mut self) {
         self.engine = self.solver.engine(&self.world, &self.balls, self.tuning);
     }
+}
+
+/// A ball is as wide as the world where that is wider by less than this part of it.
+const JAMMED: f64 = 1e-12;
+
+/// Along which axes a ball of this radius has no room between the walls of a world of `size`.
+#[inline]
+fn jams(size: DVec2, radius: f64) -> BVec2 {
+    (size - 2.0 * radius).cmplt(JAMMED * size)
 }
 
 /// The place between the walls of a world of `size` that is nearest to this one of a ball.

@@ -2,6 +2,7 @@
 
 use glam::{BVec2, DVec2};
 
+use super::super::jams;
 use super::constraints::Beside;
 use super::fates::Fate;
 use super::support::Tolerance;
@@ -9,14 +10,6 @@ use super::{Ball, Body, Setting, World, within};
 
 /// A wall's push that is less than this part of a velocity is rounding.
 const ROUNDING: f64 = 1e-9;
-
-/// A ball is as wide as the world where that is wider by less than this part of it.
-const JAMMED: f64 = 1e-12;
-
-/// Along which axes a ball of this radius has no room between the walls of a world of this size.
-fn jams(size: DVec2, radius: f64) -> BVec2 {
-    (size - 2.0 * radius).cmple(JAMMED * size)
-}
 
 /// Along which axes any ball that can be moved, and may be pressed on walls, has no room between them.
 pub(super) fn any_jams(world: &World, balls: &[Ball]) -> BVec2 {

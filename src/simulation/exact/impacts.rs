@@ -18,6 +18,7 @@ use glam::DVec2;
 use crate::simulation::Tally;
 use crate::simulation::flight::{self, DEEP};
 use crate::simulation::impulse::{any_offset, exact_impact, held_impact};
+use crate::simulation::jams;
 
 use super::flights::{Marks, Matter};
 use super::settle::FIRM;
@@ -109,7 +110,7 @@ impl Exact {
 
     /// Whether a ball of this radius has no room between the walls across an axis.
     pub(in crate::simulation) fn jams(&self, radius: f64, axis: usize) -> bool {
-        self.walls.is_some() && self.size[axis] - 2.0 * radius < AT_THE_WALL * self.size[axis]
+        self.walls.is_some() && jams(self.size, radius).test(axis)
     }
 
     /// Begins a new flight of a ball.
