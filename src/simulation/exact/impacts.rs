@@ -91,7 +91,7 @@ impl Exact {
     /// The approach, px/s, below which an impact of a ball now is chatter, so soon after its last one; 0 where that was
     /// long ago.
     ///
-    /// That is the rest speed, or more where the ball has hardly moved since, nor between the hits before. So a ball
+    /// That is the rest speed, or more under gravity where the ball has hardly moved since, nor between the hits before. So a ball
     /// that is driven into a wedge is thrown back in the end, where otherwise it would hit ever more often and never
     /// stop.
     fn chatter_speed(&self, slot: usize, now: f64) -> f64 {
