@@ -1,8 +1,8 @@
-//! Whether balls fit into a world.
+//! Whether balls fit into a world, and where between its walls.
 
 use std::fmt;
 
-use glam::DVec2;
+use glam::{BVec2, DVec2};
 
 use super::ball::Ball;
 use super::limits::MAX_BALLS;
@@ -61,4 +61,20 @@ pub(super) fn check_fit(world: &World, balls: &[Ball], before: usize) -> Result<
         }
     }
     Ok(())
+}
+
+/// A ball is as wide as the world where that is wider by less than this part of it.
+const JAMMED: f64 = 1e-12;
+
+/// Along which axes a ball of this radius has no room between the walls of a world of `size`.
+#[inline]
+pub(super) fn jams(size: DVec2, radius: f64) -> BVec2 {
+    (size - 2.0 * radius).cmplt(JAMMED * size)
+}
+
+/// The place between the walls of a world of `size` that is nearest to this one of a ball.
+#[inline]
+pub(super) fn within(place: DVec2, radius: f64, size: DVec2) -> DVec2 {
+    // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
+    place.min(size - radius).max(DVec2::splat(radius))
 }

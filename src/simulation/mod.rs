@@ -24,12 +24,12 @@ mod solver;
 mod weightless;
 mod world;
 
-use glam::{BVec2, DVec2};
+use glam::DVec2;
 
 pub use ball::Ball;
 use clock::Clock;
 pub use fit::BuildError;
-use fit::check_fit;
+use fit::{check_fit, jams, within};
 use limits::{DEFAULT_REST_SPEED, DELTA, MAX_THREADS, OutOfRange, REST_SPEED, SUBSTEPS};
 use separate::{bring_in, bring_strays_in};
 use solver::{Advance, Frame, Tuning};
@@ -373,22 +373,6 @@ impl Simulation {
     fn rebuild(&mut self) {
         self.engine = self.solver.engine(&self.world, &self.balls, self.tuning);
     }
-}
-
-/// A ball is as wide as the world where that is wider by less than this part of it.
-const JAMMED: f64 = 1e-12;
-
-/// Along which axes a ball of this radius has no room between the walls of a world of `size`.
-#[inline]
-fn jams(size: DVec2, radius: f64) -> BVec2 {
-    (size - 2.0 * radius).cmplt(JAMMED * size)
-}
-
-/// The place between the walls of a world of `size` that is nearest to this one of a ball.
-#[inline]
-fn within(place: DVec2, radius: f64, size: DVec2) -> DVec2 {
-    // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
-    place.min(size - radius).max(DVec2::splat(radius))
 }
 
 #[cfg(test)]
