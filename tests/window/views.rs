@@ -106,6 +106,16 @@ fn with_everything_on_a_paused_window_leaves_the_processor_alone() {
     window.wait_idle();
 }
 
+/// Until the list of scenes lies over the corner of the picture.
+fn wait_for_cards(window: &mut Window<'_>) {
+    window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
+}
+
+/// Until the scene is seen there.
+fn wait_for_scene(window: &mut Window<'_>) {
+    window.wait("the scene", |window| window.screenshot().at(5, 5) == BACKGROUND);
+}
+
 #[test]
 #[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
 fn all_scenes_are_shown_and_opened_by_key_and_mouse() {
@@ -114,29 +124,29 @@ fn all_scenes_are_shown_and_opened_by_key_and_mouse() {
     window.wait_title("draw");
     let closed = window.still_screenshot();
     window.key("m");
-    window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
+    wait_for_cards(&mut window);
     // From the first card to the second.
     window.key("Right");
     window.key("Return");
     window.wait_title("move · canvas · 1 ball");
     // The title comes before the picture: these cards may still be the old ones.
-    window.wait("the scene", |window| window.screenshot().at(5, 5) == BACKGROUND);
+    wait_for_scene(&mut window);
     window.key("m");
-    window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
+    wait_for_cards(&mut window);
     // The first card is the first stage.
     window.mouse(&["mousemove", "120", "150", "click", "1"]);
     window.wait_title("draw · canvas · 1 ball");
-    window.wait("the scene", |window| window.screenshot().at(5, 5) == BACKGROUND);
+    wait_for_scene(&mut window);
     window.key("2");
     window.wait_title("move");
     window.key("m");
-    window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
+    wait_for_cards(&mut window);
     // Without moving the pointer from where it was before the cards.
     window.mouse(&["click", "1"]);
     window.wait_title("draw · canvas · 1 ball");
-    window.wait("the scene", |window| window.screenshot().at(5, 5) == BACKGROUND);
+    wait_for_scene(&mut window);
     window.key("m");
-    window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);
+    wait_for_cards(&mut window);
     window.key("Escape");
     window.wait("the scene again", |window| window.screenshot().0 == closed.0);
 }
@@ -150,7 +160,7 @@ fn keys_and_clicks_that_come_before_the_list_of_scenes_is_painted_are_for_it() {
     // All before the next picture, or nearly.
     window.mouse(&["key", "m", "mousemove", "120", "150", "click", "1"]);
     window.wait_title("draw · canvas · 1 ball");
-    window.wait("the scene", |window| window.screenshot().at(5, 5) == BACKGROUND);
+    wait_for_scene(&mut window);
     window.mouse(&["key", "m", "Down", "Return"]);
     // A row below the first stage; where the rows were unknown, it was the next one.
     window.wait("a scene below", |window| !window.title().contains("draw"));
