@@ -45,6 +45,12 @@ impl Clock {
         (steps as u64, if rest <= SHOWN { 0.0 } else { rest as f64 / SECOND })
     }
 
+    /// The time at which the first step of 1/`rate` s begins that is not over when a frame is shown at this time.
+    pub(super) fn next_step(self, rate: u32) -> Self {
+        let (over, rest) = self.steps(rate);
+        Self::at_step(over + u64::from(rest > 0.0), rate)
+    }
+
     /// The time at which so many steps of 1/`rate` s are over.
     pub(super) fn at_step(steps: u64, rate: u32) -> Self {
         Self((u128::from(steps) << SECOND_BITS).div_ceil(u128::from(rate)))

@@ -13,6 +13,7 @@ mod exact;
 mod fit;
 mod flight;
 pub mod grid;
+mod hybrid;
 mod impulse;
 pub mod invariants;
 pub mod ledger;
@@ -21,7 +22,6 @@ pub mod limits;
 mod separate;
 mod simultaneous;
 mod solver;
-mod weightless;
 mod world;
 
 use glam::DVec2;

@@ -9,7 +9,7 @@ use super::canvas::Canvas;
 use super::contact::Contact;
 use super::exact::Exact;
 use super::grid::Grid;
-use super::weightless::Weightless;
+use super::hybrid::Hybrid;
 use super::world::World;
 
 /// The ways of moving a simulation on.
@@ -143,8 +143,8 @@ impl Solver {
         match self {
             Self::Canvas => Box::new(Canvas::new(world, balls)),
             Self::Exact => Box::new(Exact::new(world, balls, tuning.rest_speed)),
-            Self::Contact => match Weightless::new(world, balls, tuning) {
-                Some(weightless) => Box::new(weightless),
+            Self::Contact => match Hybrid::new(world, balls, tuning) {
+                Some(hybrid) => Box::new(hybrid),
                 None => Box::new(Contact::new(world, balls, tuning)),
             },
         }

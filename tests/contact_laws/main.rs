@@ -40,7 +40,8 @@ fn simulation(world: World, balls: Vec<Ball>) -> Simulation {
     Simulation::new(world, balls, Solver::Contact).unwrap()
 }
 
-/// As it is, and in substeps, which balls without gravity take only where they are asked for.
+/// As it is, and in substeps, which balls without gravity, and few that fall and do not lie on each other, take only where they
+/// are asked for.
 fn both_ways(simulation: &Simulation) -> [Simulation; 2] {
     [simulation.clone(), simulation.clone().with_substeps(240).unwrap()]
 }

@@ -25,6 +25,10 @@ impl Advance for Contact {
         }
         let (mut stopped, mut held_found) = (false, false);
         while self.steps < last && !stopped {
+            if self.is_calm() {
+                self.before.clear();
+                break;
+            }
             if self.all_asleep {
                 self.before.clear();
                 self.sleep_until(last);

@@ -195,6 +195,10 @@ pub(super) struct Contact {
     steps: u64,
     /// By how much the first substep is shorter than others because balls were there only after it had begun, s.
     late: f64,
+    /// Whether it stops once nothing has pressed for so long that events suit what it does better.
+    hands_back: bool,
+    /// How many substeps in a row were quiet.
+    quiet: u32,
     /// Each body one substep ago, while the frame lies within the last substep.
     before: Vec<Start>,
     clock: Clock,
@@ -231,6 +235,8 @@ impl Contact {
             hit: vec![false; balls.len()],
             steps: 0,
             late: 0.0,
+            hands_back: false,
+            quiet: 0,
             before: Vec::new(),
             clock: Clock::default(),
         }
@@ -252,7 +258,10 @@ impl Contact {
     fn step(&mut self, tally: &mut Tally) {
         self.change_length();
         self.accelerate();
-        if !self.pass_quietly(tally) {
+        if self.pass_quietly(tally) {
+            self.quiet += 1;
+        } else {
+            self.quiet = 0;
             self.meet_and_hold(tally);
         }
         self.end_step();
@@ -471,6 +480,11 @@ pub(super) fn can_rest(world: &World, balls: &[Ball]) -> bool {
 /// Whether there are balls that notice each other.
 fn has_pairs(world: &World, balls: &[Ball]) -> bool {
     world.pairs == Some(Pairs::Impulse) && balls.len() > 1
+}
+
+/// Whether these are so few that substeps look at each of them.
+pub(super) fn is_few(balls: &[Ball]) -> bool {
+    balls.len() <= FEW
 }
 
 /// What the tests of the parts begin with.

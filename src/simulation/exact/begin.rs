@@ -20,7 +20,6 @@ const CHATTER_LENGTH: f64 = 1e-3;
 impl Exact {
     pub(in crate::simulation) fn new(world: &World, balls: &[Ball], rest_speed: f64) -> Self {
         let gravity = world.gravity.unwrap_or_default();
-        let strength = gravity.length();
         let smallest = smallest_radius(balls);
         let rest_speed = counted_rest_speed(rest_speed, gravity, balls);
         let has_pairs = balls.len() > 1 && world.pairs.is_some();
@@ -35,7 +34,7 @@ impl Exact {
                 None => [DVec2::NEG_INFINITY, DVec2::INFINITY],
             },
             rest_speed,
-            chatter_time: 2.0 * rest_speed / if strength > 0.0 { strength } else { impacts::EARTH },
+            chatter_time: hop_time(rest_speed, gravity),
             chatter_length: CHATTER_LENGTH * smallest,
             holds: gravity != DVec2::ZERO,
             slots: inverse(&ids),
@@ -56,6 +55,8 @@ impl Exact {
             at_once: 0,
             creep: CREEP / balls.len().max(MANY) as f64,
             pace: None,
+            long_chatter: Marks::MOST_CHATTER,
+            pressing: None,
             unwatched: 0,
             credit: 0,
             beside: false,
@@ -67,6 +68,11 @@ impl Exact {
         }
         exact.hold_immovable(in_order(balls, &ids));
         exact
+    }
+
+    /// The same solver at a later time, at which its balls are as they are.
+    pub(in crate::simulation) fn starting_at(self, clock: Clock) -> Self {
+        Self { clock, origin: clock, ..self }
     }
 
     /// Lays to rest what cannot move: what has no room between walls, and fixed balls, which no impact lifts either.
@@ -166,6 +172,12 @@ pub(in crate::simulation) fn counted_rest_speed(asked: f64, gravity: DVec2, ball
     let strength = gravity.length();
     let unseen = (2.0 * strength * 0.01 * smallest_radius(balls)).sqrt();
     (asked * (strength / impacts::EARTH).max(1.0)).min(unseen)
+}
+
+/// How long a hop at this speed lasts, s; where there is no gravity, under the demo's.
+pub(super) fn hop_time(speed: f64, gravity: DVec2) -> f64 {
+    let strength = gravity.length();
+    2.0 * speed / if strength > 0.0 { strength } else { impacts::EARTH }
 }
 
 /// The smallest radius of a ball that moves, px; infinite where none does.

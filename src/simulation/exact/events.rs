@@ -62,6 +62,7 @@ impl Exact {
             return self.clock;
         }
         loop {
+            let target = self.until_it_ends(target);
             match self.take_events::<N>(frame.tally, target.shown_since(self.origin), go_on) {
                 None => return target,
                 Some(Pause::NewYear(time)) => {
@@ -91,7 +92,7 @@ impl Exact {
                     return Some(Pause::Stopped(entry.time));
                 }
                 self.take::<N>(tally, entry);
-                if self.calendar.is_crowded() || self.is_stuck() {
+                if self.calendar.is_crowded() || self.is_stuck() || self.has_just_pressed() {
                     return Some(Pause::NewYear(self.calendar.moment_before(entry.time)));
                 }
             }

@@ -158,7 +158,7 @@ impl Exact {
         if counts {
             marks.note_chatter(chatters);
         }
-        let long = counts && marks.chatter() == Marks::MOST_CHATTER;
+        let long = counts && marks.chatter() >= self.long_chatter;
         self.foresee::<N>(slot, now);
         if long {
             self.settle::<N>(tally, slot, now);
@@ -168,6 +168,10 @@ impl Exact {
     /// Whether a ball that hits a wall at this speed, px/s, where gravity presses it, stays there.
     fn too_slow(&self, speed: f64) -> bool {
         let restitution = self.wall_restitution(false);
+        if self.pressing.is_some() && restitution < 1.0 {
+            // Those hops cost too little to be left out.
+            return speed < self.rest_speed;
+        }
         let least = if restitution < 1.0 { self.rest_speed } else { CONSERVATIVE * self.rest_speed };
         restitution * speed < least
     }
@@ -245,7 +249,7 @@ impl Exact {
             self.collide_together::<N>(tally, [(one, v1), (other, v2)], now);
         }
         for slot in [one, other] {
-            if self.marks[slot].chatter() == Marks::MOST_CHATTER {
+            if self.marks[slot].chatter() >= self.long_chatter {
                 self.settle::<N>(tally, slot, now);
             }
         }

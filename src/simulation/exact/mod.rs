@@ -13,6 +13,7 @@
 //! - `together`: what happens where several balls meet at one time;
 //! - `settle`, `group`: how they come to rest on each other;
 //! - `pace`: whether there are more impacts than can be followed;
+//! - `pressing`: when it ends because balls press on each other, where `contact` holds these;
 //! - `cells`, `calendar`: where balls are, and the queue;
 //! - `read_ahead`: how memory is kept from being waited for, where balls are many.
 
@@ -26,6 +27,7 @@ mod group;
 mod impacts;
 mod meetings;
 mod pace;
+mod pressing;
 mod read_ahead;
 mod settle;
 mod together;
@@ -42,6 +44,7 @@ use calendar::Calendar;
 use cells::Cells;
 use flights::{Flight, Marks, Matter};
 pub(super) use pace::Pace;
+use pressing::Pressing;
 
 /// The event-driven solver.
 ///
@@ -93,6 +96,10 @@ pub(super) struct Exact {
     creep: f64,
     /// How impacts keep pace, where it stops once they do not.
     pace: Option<Pace>,
+    /// After so many impacts in a row that are chatter a ball has chattered for long.
+    long_chatter: u16,
+    /// When it stops, where it does once something presses.
+    pressing: Option<Pressing>,
     /// Whether a ball that was looked at since this was cleared touches another one.
     beside: bool,
     /// Events taken since the caller's watch was looked at.

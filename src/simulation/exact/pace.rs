@@ -13,6 +13,9 @@ const FOLLOWED_PER_PAIR: f64 = 800.0;
 const LET_PASS: f64 = (1 << 18) as f64;
 /// ... or for each ball.
 const LET_PASS_PER_BALL: f64 = 16.0;
+/// The same where few balls fall, for which substeps do as well: a frame with so many takes no longer than one of substeps, or two.
+const FOLLOWED_IN_FALL: f64 = (1 << 12) as f64;
+const LET_PASS_IN_FALL: f64 = (1 << 12) as f64;
 /// Events at one time above which balls have no room to move at all: hits that would go on for ever take all their
 /// speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
 const MOST_AT_ONCE: usize = 1 << 16;
@@ -28,9 +31,14 @@ pub(in crate::simulation) struct Pace {
     ahead: f64,
     /// Whether impacts take energy: those that have no end then do.
     takes_energy: bool,
+    /// Whether few balls fall.
+    falls: bool,
 }
 
 impl Pace {
+    /// Where few balls fall: impacts that have no end are left to others then, whether they take energy or not.
+    pub(in crate::simulation) const IN_FALL: Self = Self { ahead: 0.0, takes_energy: false, falls: true };
+
     /// The same where impacts take energy, or not.
     pub(in crate::simulation) fn where_impacts_take(self, takes_energy: bool) -> Self {
         Self { takes_energy, ..self }
@@ -39,13 +47,15 @@ impl Pace {
     /// Takes account of a time of so many seconds, with so many impacts, in which so many balls took part.
     pub(super) fn pass(&mut self, seconds: f64, impacts: f64, busy: usize) {
         let busy = busy as f64;
-        let followed = FOLLOWED.max(FOLLOWED_PER_PAIR * 0.5 * busy * busy);
+        let among_all = FOLLOWED.max(FOLLOWED_PER_PAIR * 0.5 * busy * busy);
+        let followed = if self.falls { FOLLOWED_IN_FALL } else { among_all };
         self.ahead = (self.ahead + impacts - followed * seconds).max(0.0);
     }
 
     /// Whether impacts among so many balls have run too far ahead.
     pub(super) fn is_outrun(self, balls: usize) -> bool {
-        self.ahead > LET_PASS.max(LET_PASS_PER_BALL * balls as f64)
+        let among_all = LET_PASS.max(LET_PASS_PER_BALL * balls as f64);
+        self.ahead > if self.falls { LET_PASS_IN_FALL } else { among_all }
     }
 }
 
@@ -62,7 +72,7 @@ impl Exact {
 
     /// Whether it has stopped, for good.
     pub(in crate::simulation) fn is_outrun(&self) -> bool {
-        self.is_stuck() || self.pace.is_some_and(|pace| pace.is_outrun(self.flights.len()))
+        self.is_over() || self.is_stuck() || self.pace.is_some_and(|pace| pace.is_outrun(self.flights.len()))
     }
 
     /// Whether it has to stop because another event at this time would find balls wedged in, which would take energy though

@@ -48,7 +48,7 @@ const NONE: u32 = u32::MAX;
 impl Exact {
     /// Stops the group of a ball that has chattered for long, and lays it to rest as far as it is in balance.
     pub(super) fn settle<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
-        if self.credit < 0 {
+        if self.note_pressing(now) || self.credit < 0 {
             return;
         }
         let mut group = self.gather::<N>(slot, now);
