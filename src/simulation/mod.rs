@@ -65,8 +65,8 @@ pub struct Simulation {
 
 /// What has happened since the simulation began.
 ///
-/// Under gravity [`Solver::Contact`] counts neither impacts nor hits on walls that are slower than the rest speed
-/// ([`with_rest_speed`](Simulation::with_rest_speed)): what lies on others meets them so in every substep. `Exact` counts
+/// In substeps under gravity [`Solver::Contact`] counts neither impacts nor hits on walls that are slower than the rest speed
+/// ([`with_rest_speed`](Simulation::with_rest_speed)): what lies on others meets them so in each of these. `Exact` counts
 /// them all, until balls rest; `Canvas` counts each frame in which two balls touch and exchange momentum.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tally {
@@ -122,8 +122,9 @@ impl Simulation {
     ///   each other more slowly than u and within 2u/g of an impact before, or faster, under gravity, but within
     ///   2u²/1000g of its place. Without gravity the demo's g counts, and a crush, whose impacts have no end, stops all
     ///   that is in it.
-    /// - [`Solver::Contact`] leaves impacts slower than u out of the tally under gravity, and moves nothing otherwise. Without
-    ///   gravity it does as [`Solver::Exact`].
+    /// - [`Solver::Contact`] leaves impacts slower than u out of the tally in its substeps under gravity, and moves nothing
+    ///   otherwise. Where it takes none, it does as [`Solver::Exact`], but that a ball rests on a wall which it comes to more slowly
+    ///   than u, however strong gravity is, and that balls which chatter are left to substeps.
     /// - [`Solver::Canvas`] does not know it.
     ///
     /// With a smaller one `exact` follows more, and smaller, bounces: the hops that it leaves out are up to u²/2g high,
@@ -147,7 +148,8 @@ impl Simulation {
     /// ball's size; and a multiple of that where gravity g is strong beside the smallest radius r, so that g·h² stays under
     /// r/100, for the h seconds of one of 240.
     ///
-    /// Balls without gravity take none unless a number is given: they go from impact to impact, as with [`Solver::Exact`].
+    /// Balls without gravity take none unless a number is given: they go from impact to impact, as with [`Solver::Exact`]. So do
+    /// up to forty under gravity while none lies on others.
     ///
     /// Balls that fly, and meet one after the other, do so to rounding whatever the number. With fewer substeps than it
     /// would choose, piles sink in by up to a few times g·h², and what lies on a wall of restitution 1 hops as high;

@@ -19,8 +19,9 @@ pub enum Solver {
     Canvas,
     /// Event-driven: exact between and at impacts, whatever the frame rate.
     Exact,
-    /// Substeps in which all contacts are solved together: large piles in real time, whatever the frame rate. Without
-    /// gravity nothing presses balls together, and they are moved from impact to impact, as by `Exact`.
+    /// Substeps in which all contacts are solved together: large piles in real time, whatever the frame rate. Where nothing
+    /// presses balls together, as without gravity and among few that fly, bounce and slide, they are moved from impact to impact,
+    /// as by `Exact`.
     Contact,
 }
 

@@ -487,6 +487,12 @@ pub(super) fn is_few(balls: &[Ball]) -> bool {
     balls.len() <= FEW
 }
 
+/// How many substeps in a second these balls take at most.
+pub(super) fn most_substeps(world: &World, balls: &[Ball], tuning: Tuning) -> u32 {
+    let [_, most] = Substeps::new(world, balls, tuning).range(balls.len(), world.gravity.unwrap_or_default());
+    most
+}
+
 /// What the tests of the parts begin with.
 #[cfg(test)]
 mod testing {
