@@ -195,6 +195,43 @@ fn fast_balls_keep_their_order_in_a_narrow_tube() {
     }
 }
 
+/// A ball nearly as wide as its tube, and small ones of its mass on both sides of it, which have no room beside it.
+fn filled_tube(seed: u64) -> Simulation {
+    let mut random = random(seed);
+    let (restitution, bounce) = (0.9 * random(), 0.9 * random());
+    let width = 40.0 + 80.0 * random();
+    let wide = 0.5 * width * [0.9, 0.97, 0.99, 0.999][seed as usize % 4];
+    let mut shot = |x: f64, y: f64, radius: f64| {
+        let velocity = DVec2::from_angle(std::f64::consts::TAU * random()) * 1e5 * random();
+        of(moving(ball(x, y, radius), velocity.x, velocity.y), 1.0, restitution)
+    };
+    let mut balls = vec![shot(300.0, 0.5 * width, wide)];
+    for x in [40.0, 80.0, 120.0, 160.0, 200.0, 400.0, 440.0, 480.0, 520.0, 560.0] {
+        balls.push(shot(x, 0.2 * width, 0.06 * width));
+        balls.push(shot(x, 0.7 * width, 0.13 * width));
+    }
+    simulation(world(600.0, width, bounce).with_gravity(EARTH).unwrap(), balls)
+}
+
+#[test]
+fn a_ball_lets_no_small_one_of_its_mass_by_that_has_no_room_beside_it_however_fast_they_are() {
+    for seed in 0..100 {
+        let mut tube = filled_tube(seed);
+        let before: Vec<DVec2> = tube.balls().iter().map(Ball::position).collect();
+        for frame in 0..30 {
+            tube.advance(FRAME).unwrap();
+            let wide = tube.balls()[0];
+            for (small, start) in tube.balls().iter().zip(&before).skip(1) {
+                let offset = small.position() - wide.position();
+                // What is pressed into it a little is still on its side.
+                let apart = offset.length() > 0.98 * (small.radius() + wide.radius());
+                let went_by = (offset.x > 0.0) != (start.x > before[0].x);
+                assert!(!(apart && went_by), "seed {seed}, frame {frame}: {small:?} went by {wide:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn fast_balls_squeeze_none_through_a_row_of_fixed_ones_with_gravity_or_without() {
     // The first were squeezed through once.

@@ -390,3 +390,13 @@ fn what_becomes_fast_in_a_substep_of_a_jam_ends_in_no_other() {
         }
     }
 }
+
+#[test]
+fn a_ball_that_meets_two_walls_at_once_hits_what_is_before_the_second() {
+    // It meets the right wall at once, and would come to the floor in the same substep.
+    let large = moving(ball(359.9, 340.0, 40.0), 1000.0, 6000.0);
+    let small = ball(360.0, 397.0, 3.0);
+    let mut corner = simulation(world(400.0, 400.0, 1.0).with_gravity(EARTH).unwrap(), vec![large, small]);
+    corner.advance(1.0 / 240.0).unwrap();
+    assert!(corner.tally().impacts > 0, "{:?}", corner.balls());
+}

@@ -4,6 +4,7 @@ use glam::{BVec2, DVec2};
 
 use super::find::FEW;
 use super::meeting::strike;
+use super::sleep::Rest;
 use super::{Body, SHIFT, Setting};
 
 /// Impacts of a ball in one substep, at most, where impacts take energy and there is no gravity.
@@ -30,6 +31,13 @@ pub(super) const DEEP_IN_CROWD: u32 = 8;
 const LOOKS: usize = 64;
 /// A ball that goes farther in a substep than so many times its radius is fast.
 const FAST: f64 = 1.0;
+/// Under gravity one that comes from far away and was hit so often is fast as long as it could ram others (`room`): it goes less far
+/// than its radius, but may go over smaller ones. Where no more of its impacts were taken, it would go through the wall of a narrow
+/// tube and let them by, or what holds it at the wall would put it upon them. With 8, what rains on a pile goes another way; with
+/// 32, balls in tubes lie deep in each other three times as often.
+const FOLLOWED: u16 = 16;
+/// A ball that goes no farther in a substep than this part of its radius meets two walls in it at once.
+const AT_ONCE: f64 = 0.25;
 
 /// What is known of a body's impacts in a substep.
 #[derive(Debug, Clone, Copy, Default)]
@@ -163,6 +171,13 @@ impl Limits {
         if shift == Shift::Far { self.most_far } else { self.most }
     }
 
+    /// Whether a body is followed as a fast one, since it comes from far away, was hit often, and still goes on. Not without gravity,
+    /// and not of unlike balls: those go no farther than there is room. Nor in a crowd, where what comes of an impact is no flight.
+    pub(super) fn follows(&self, setting: &Setting, (body, rest): (&Body, &Rest), fate: &Fate) -> bool {
+        let often = fate.shift == Shift::Far && fate.hits >= FOLLOWED && !self.crowd;
+        often && setting.kick != DVec2::ZERO && !rest.unlike.differs() && setting.rams(body)
+    }
+
     /// Whether a body that is not fast may not be hit any more with this restitution, by what is so many times smaller, so
     /// that there are more of these around it.
     pub(super) fn is_spent(&self, fate: &Fate, shift: Shift, restitution: f64, size: f64) -> bool {
@@ -197,7 +212,18 @@ fn hits_that_leave(part: f64, restitution: f64, most: u16) -> u16 {
 
 /// Whether a body goes so far in a substep that it could go through others.
 pub(super) fn is_fast(setting: &Setting, body: &Body) -> bool {
-    let far = FAST * body.radius / setting.substep;
+    goes_beyond(FAST, setting, body)
+}
+
+/// Whether a body goes so far in a substep that it is to meet walls one after the other: what turns it at the second, before it is
+/// there, puts it where it would have come from, and past what is in its way.
+pub(super) fn meets_one_wall(setting: &Setting, body: &Body, fate: &Fate) -> bool {
+    fate.shift == Shift::Far || goes_beyond(AT_ONCE, setting, body)
+}
+
+/// Whether a body goes farther in a substep than so many times its radius.
+fn goes_beyond(radii: f64, setting: &Setting, body: &Body) -> bool {
+    let far = radii * body.radius / setting.substep;
     body.velocity.distance_squared(setting.common) > far * far
 }
 

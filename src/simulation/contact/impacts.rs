@@ -13,7 +13,7 @@ use std::collections::BinaryHeap;
 use super::constraints::Marks;
 use super::ending::end;
 use super::events::{Event, Spot, What};
-use super::fates::{DEEP_IN_CROWD, Fate, Limits, Shift, is_fast};
+use super::fates::{DEEP_IN_CROWD, Fate, Limits, Shift, is_fast, meets_one_wall};
 use super::legs::Leg;
 use super::meeting::{Approach, Meeting, exchange};
 use super::sleep::Rest;
@@ -291,8 +291,10 @@ impl Stage<'_> {
                     return [None; 2];
                 }
                 let before = self.bodies[body];
+                let first = meets_one_wall(self.setting, &before, &fate);
                 let ball = (&mut self.bodies[body], self.rests[body].in_impacts());
-                let Some(met) = meet_walls(self.setting, ball, &beside, fate.time, self.tally) else {
+                let Some(met) = meet_walls(self.setting, ball, &beside, (fate.time, first), self.tally)
+                else {
                     return [None; 2];
                 };
                 self.fates[body].shift.raise(Shift::Some, met.shifts);
@@ -328,7 +330,7 @@ impl Stage<'_> {
 
     /// Notes that a body was hit.
     fn note(&mut self, at: usize, time: f64) {
-        let Self { setting, bodies, fates, limits, .. } = self;
+        let Self { setting, bodies, rests, fates, limits, .. } = self;
         if setting.jammed.any() {
             hold_jammed(setting, &mut bodies[at]);
         }
@@ -338,6 +340,7 @@ impl Stage<'_> {
         let was_fast = fate.fast;
         fate.fast = is_fast(setting, &bodies[at]) || (was_fast && fate.ended);
         fate.shift.raise(Shift::Far, was_fast || fate.fast);
+        fate.fast |= limits.follows(setting, (&bodies[at], &rests[at]), fate);
         if fate.is_over() {
             end(setting, &mut bodies[at], time);
         }

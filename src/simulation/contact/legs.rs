@@ -47,7 +47,7 @@ impl Leg {
     }
 
     /// Whether it begins before the one that was noted before it, though nothing was taken back: a ball that meets two walls
-    /// in a substep meets both at once, whatever hits it between.
+    /// in a substep meets both at once, unless it goes far between them, whatever hits it there.
     fn contradicts(&self, before: &Self) -> bool {
         !self.goes_back && self.since < before.since - AT_ONE_TIME
     }

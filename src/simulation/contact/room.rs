@@ -131,7 +131,7 @@ impl Contact {
 
 impl Setting {
     /// Whether a ball that goes on like this after its impacts may go through others.
-    fn rams(&self, body: &Body) -> bool {
+    pub(super) fn rams(&self, body: &Body) -> bool {
         let (part, kicks) = RAMMING;
         let slow = (part * body.radius / self.substep).max(kicks * self.kick.length());
         body.velocity.distance_squared(self.common) > slow * slow

@@ -50,19 +50,22 @@ impl Met {
         Self { time: 0.0, shifts: false, first: [f64::INFINITY; 2], again: false, landed: BVec2::FALSE };
 }
 
-/// Bounces a ball of this inverse mass off the walls that it meets in this substep after `since`, when it was last hit.
+/// Bounces a ball of this inverse mass off the walls that it meets in this substep after `since`, when it was last hit; or
+/// off the `first` alone: on its way to the other it may meet balls yet.
 pub(super) fn meet_walls(
     setting: &Setting,
     (body, own): (&mut Body, f64),
     beside: &Beside,
-    since: f64,
+    (since, first): (f64, bool),
     tally: &mut Tally,
 ) -> Option<Met> {
     let e = setting.walls?;
     let mut met: Option<Met> = None;
     let end = body.end(setting.substep);
     let (low, high) = (DVec2::splat(body.radius), setting.size - body.radius);
-    for axis in 0..2 {
+    // How long before the substep's end it meets each, if it does.
+    let left = (low - end).max(end - high) / body.velocity.abs();
+    for axis in if first && left.y > left.x { [1, 0] } else { [0, 1] } {
         let (wall, side) = if end[axis] < low[axis] {
             (low[axis], 1.0)
         } else if end[axis] > high[axis] {
@@ -79,6 +82,9 @@ pub(super) fn meet_walls(
         met.first[axis] = since + landed.first;
         met.again |= landed.bounces > 1;
         met.landed.set(axis, landed.lies);
+        if first {
+            break;
+        }
     }
     met
 }
