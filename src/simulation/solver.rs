@@ -79,8 +79,8 @@ pub(super) trait Advance: fmt::Debug + Send + Sync {
         false
     }
 
-    /// The fewest and the most substeps in a second that it takes. [`None`] where it takes none: each state that it shows
-    /// is computed then, as `exact` does or, with `canvas`, as the demo does.
+    /// The fewest and the most substeps in a second that it takes, or last took. [`None`] where it has taken none: each state that
+    /// it shows is computed then, as `exact` does or, with `canvas`, as the demo does.
     fn substeps(&self) -> Option<[u32; 2]> {
         None
     }

@@ -36,6 +36,8 @@ const LEANS: f64 = 8.0;
 pub(super) struct Hybrid {
     tuning: Tuning,
     way: Way,
+    /// The fewest and the most substeps in a second that it took when it last took any.
+    taken: Option<[u32; 2]>,
 }
 
 /// How they are moved.
@@ -56,14 +58,14 @@ impl Hybrid {
         }
         if world.gravity.is_none() {
             let exact = without_gravity(world, balls, tuning, Pace::default())?;
-            return Some(Self { tuning, way: Way::Events(Box::new(exact)) });
+            return Some(Self { tuning, way: Way::Events(Box::new(exact)), taken: None });
         }
         is_few(balls).then(|| {
             let way = match falling(world, balls, tuning, Clock::default()) {
                 Some(exact) => Way::Events(Box::new(exact)),
                 None => Way::Substeps(Box::new(Contact::new(world, balls, tuning).that_hands_back())),
             };
-            Self { tuning, way }
+            Self { tuning, way, taken: None }
         })
     }
 
@@ -96,6 +98,7 @@ impl Hybrid {
                 // What hardly moves is about to sleep.
                 let moves = |ball: &Ball| ball.velocity.length() > LEANS * self.tuning.rest_speed;
                 let any_moves = balls.iter().any(moves);
+                self.taken = contact.substeps();
                 match any_moves.then(|| falling(world, balls, self.tuning, clock)).flatten() {
                     Some(exact) => self.way = Way::Events(Box::new(exact)),
                     None => contact.stay_on(),
@@ -208,7 +211,8 @@ impl Advance for Hybrid {
 
     fn substeps(&self) -> Option<[u32; 2]> {
         match &self.way {
-            Way::Events(_) => None,
+            // What came of them is not exact any more.
+            Way::Events(_) => self.taken,
             Way::Substeps(contact) => contact.substeps(),
         }
     }

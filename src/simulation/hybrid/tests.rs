@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::super::ledger::Ledger;
 use super::super::{Simulation, Solver};
 use super::*;
 
@@ -46,7 +47,7 @@ fn moving(x: f64, y: f64, velocity: DVec2) -> Ball {
 fn balls_that_fill_a_box_keep_their_energy() {
     for (columns, rows) in [(2, 1), (3, 1), (10, 1), (3, 3), (6, 6)] {
         let at = |k: u32| DVec2::new(f64::from(k % columns), f64::from(k / columns)) * 20.0 + 10.0;
-        let speed = |k: u32| DVec2::new(f64::from(k * 7 % 11) - 5.0, f64::from(k * 5 % 7) - 3.0) * 10.0;
+        let speed = |k: u32| DVec2::new(f64::from(k * 7 % 11) - 5.0, f64::from(k * 5 % 7) - 3.0) * 60.0;
         let balls = (0..columns * rows).map(|k| moving(at(k).x, at(k).y, speed(k))).collect();
         let mut full = boxed(20.0 * f64::from(columns), 20.0 * f64::from(rows).max(1.5), balls);
         let start = energy(&full);
@@ -229,6 +230,19 @@ fn when_balls_that_fall_go_over_and_back_does_not_depend_on_frames() {
     assert!(turns > 1, "{turns}");
     for (rate, stops) in [(24.0, false), (24.0, true), (144.0, true), (997.0, false)] {
         assert_eq!(after(rate, stops).0, once, "{rate} frames a second");
+    }
+}
+
+#[test]
+fn no_law_is_broken_in_any_frames_though_substeps_come_and_go() {
+    for (count, rate) in (6..24).flat_map(|count| [37.0, 41.0, 97.0, 144.0].map(|rate| (count, rate))) {
+        let mut simulation = falling_balls(count, 0.8, Solver::Contact);
+        let mut ledger = Ledger::new(&simulation);
+        while simulation.time() < 8.0 {
+            simulation.advance(1.0 / rate).unwrap();
+            let held = ledger.check(&simulation);
+            assert!(held.is_ok(), "{count} balls, {rate} frames a second, {} s: {held:?}", simulation.time());
+        }
     }
 }
 

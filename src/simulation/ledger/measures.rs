@@ -16,7 +16,7 @@ pub(super) const EPSILON: f64 = 8.0 * f64::EPSILON;
 /// Times are known to this, s, whatever their size: twice the time at multiples of which frames are shown.
 const INSTANT: f64 = 2.0 * clock::INSTANT;
 
-/// The solver whose laws are claimed: `contact` claims those of `exact` where it takes no substeps.
+/// The solver whose laws are claimed: `contact` claims those of `exact` as long as it has taken no substeps.
 pub(super) fn claimed(simulation: &Simulation) -> Solver {
     match simulation.solver {
         Solver::Contact if simulation.engine.substeps().is_none() => Solver::Exact,
