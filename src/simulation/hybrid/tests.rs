@@ -47,7 +47,7 @@ fn moving(x: f64, y: f64, velocity: DVec2) -> Ball {
 fn balls_that_fill_a_box_keep_their_energy() {
     for (columns, rows) in [(2, 1), (3, 1), (10, 1), (3, 3), (6, 6)] {
         let at = |k: u32| DVec2::new(f64::from(k % columns), f64::from(k / columns)) * 20.0 + 10.0;
-        let speed = |k: u32| DVec2::new(f64::from(k * 7 % 11) - 5.0, f64::from(k * 5 % 7) - 3.0) * 60.0;
+        let speed = |k: u32| DVec2::new(f64::from(k * 7 % 11) - 5.0, f64::from(k * 5 % 7) - 3.0) * 10.0;
         let balls = (0..columns * rows).map(|k| moving(at(k).x, at(k).y, speed(k))).collect();
         let mut full = boxed(20.0 * f64::from(columns), 20.0 * f64::from(rows).max(1.5), balls);
         let start = energy(&full);
