@@ -21,7 +21,7 @@ impl Clock {
     }
 
     /// The nearest time at which a frame is shown.
-    fn shown(self) -> Self {
+    pub(super) fn shown(self) -> Self {
         Self((self.0 + SHOWN / 2) / SHOWN * SHOWN)
     }
 

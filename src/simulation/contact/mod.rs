@@ -243,13 +243,21 @@ impl Contact {
     }
 
     /// The same solver at a later time, at which its balls are as they are: its first substep is what is left of the one
-    /// that this time lies in. Nothing must press on anything.
+    /// that this time lies in.
     pub(super) fn starting_at(mut self, clock: Clock) -> Self {
         let rate = self.substeps.rate;
         let (steps, since) = clock.steps(rate);
         let within = steps % self.substeps.next_length();
         self.late = within as f64 / f64::from(rate) + since;
+        let whole = self.setting;
         self.setting.substep -= self.late;
+        self.setting.kick = self.setting.gravity * self.setting.substep;
+        // Half-way through this one they are less far on their ways.
+        let less = 0.5 * (whole.kick - self.setting.kick);
+        for body in self.bodies.iter_mut().filter(|body| body.inverse_mass > 0.0) {
+            body.velocity += less;
+            body.free += less;
+        }
         Self { clock, steps: steps - within, ..self }
     }
 
@@ -311,7 +319,8 @@ impl Contact {
     fn end_step(&mut self) {
         self.steps += self.substeps.length();
         if self.late > 0.0 {
-            (self.setting.substep, self.late) = (self.substeps.seconds(), 0.0);
+            self.late = 0.0;
+            self.begin_substeps_of_new_length();
         }
         self.part_rows();
         self.look_for_calm();

@@ -216,11 +216,15 @@ impl Setting {
 impl Contact {
     /// Begins a substep that is longer or shorter than the last one.
     pub(super) fn change_length(&mut self) {
-        let Self { setting, substeps, bodies, near, .. } = self;
-        if substeps.next == substeps.count {
-            return;
+        if self.substeps.next != self.substeps.count {
+            self.substeps.count = self.substeps.next;
+            self.begin_substeps_of_new_length();
         }
-        substeps.count = substeps.next;
+    }
+
+    /// Has balls and what holds them as if the last substep had been as long as the next are.
+    pub(super) fn begin_substeps_of_new_length(&mut self) {
+        let Self { setting, substeps, bodies, near, .. } = self;
         let old = std::mem::replace(setting, setting.with_length(substeps));
         let ratio = setting.substep / old.substep;
         for body in bodies {

@@ -72,7 +72,8 @@ impl Exact {
 
     /// The same solver at a later time, at which its balls are as they are.
     pub(in crate::simulation) fn starting_at(self, clock: Clock) -> Self {
-        Self { clock, origin: clock, ..self }
+        // The balls are as they were shown; what is left of that time differs with the frames that it is the sum of.
+        Self { clock, origin: clock.shown(), ..self }
     }
 
     /// Lays to rest what cannot move: what has no room between walls, and fixed balls, which no impact lifts either.

@@ -195,6 +195,9 @@ impl Exact {
         if let Some(pace) = &mut self.pace {
             let busy = self.flights.iter().filter(|flight| flight.time > 0.0).count();
             pace.pass(time, 0.5 * self.hits as f64, busy);
+            if pace.suits_substeps() {
+                self.note_pressing(0.0);
+            }
         }
         self.hits = 0;
         self.latest -= time;

@@ -13,9 +13,12 @@ const FOLLOWED_PER_PAIR: f64 = 800.0;
 const LET_PASS: f64 = (1 << 18) as f64;
 /// ... or for each ball.
 const LET_PASS_PER_BALL: f64 = 16.0;
-/// The same where few balls fall, for which substeps do as well: a frame with so many takes no longer than one of substeps, or two.
+/// The same where few balls fall, for which substeps do as well: some seventy impacts in a frame of a 60th take less than a hundredth
+/// of its time ...
 const FOLLOWED_IN_FALL: f64 = (1 << 12) as f64;
-const LET_PASS_IN_FALL: f64 = (1 << 12) as f64;
+/// ... and those of a crash a tenth. After these it ends with the substep, and at once after so many.
+const LET_PASS_IN_FALL: f64 = (1 << 8) as f64;
+const MOST_IN_FALL: f64 = (1 << 12) as f64;
 /// Events at one time above which balls have no room to move at all: hits that would go on for ever take all their
 /// speed then. Galperin's billiard with a mass ratio of 10¹⁶ has two thousand.
 const MOST_AT_ONCE: usize = 1 << 16;
@@ -36,8 +39,10 @@ pub(in crate::simulation) struct Pace {
 }
 
 impl Pace {
-    /// Where few balls fall: impacts that have no end are left to others then, whether they take energy or not.
-    pub(in crate::simulation) const IN_FALL: Self = Self { ahead: 0.0, takes_energy: false, falls: true };
+    /// The same where few balls fall: impacts that have no end are left to others then, whether they take energy or not.
+    pub(in crate::simulation) fn in_fall(self) -> Self {
+        Self { takes_energy: false, falls: true, ..self }
+    }
 
     /// The same where impacts take energy, or not.
     pub(in crate::simulation) fn where_impacts_take(self, takes_energy: bool) -> Self {
@@ -55,7 +60,12 @@ impl Pace {
     /// Whether impacts among so many balls have run too far ahead.
     pub(super) fn is_outrun(self, balls: usize) -> bool {
         let among_all = LET_PASS.max(LET_PASS_PER_BALL * balls as f64);
-        self.ahead > if self.falls { LET_PASS_IN_FALL } else { among_all }
+        self.ahead > if self.falls { MOST_IN_FALL } else { among_all }
+    }
+
+    /// Whether there are so many that substeps suit balls that fall better.
+    pub(super) fn suits_substeps(self) -> bool {
+        self.falls && self.ahead > LET_PASS_IN_FALL
     }
 }
 

@@ -6,10 +6,9 @@
 //!
 //! Under gravity that goes for few balls alone. Once some lie on others these would hit each other endlessly: then, too,
 //! substeps go on, from where the next would begin if all had been taken, so that whole numbers of them are over where frames
-//! of a 60th of a second are. When nothing but walls has held any for a while, events take over again.
+//! of a 60th of a second are. (Where impacts are outrun, from there on; the first is shorter.) When nothing but walls has held any for a while, events take over again.
 
 use super::ball::Ball;
-use super::clock::Clock;
 use super::contact::{Contact, can_rest, is_few, most_substeps};
 use super::exact::{Exact, Pace};
 use super::grid::Grid;
@@ -26,10 +25,12 @@ const TOUCH: f64 = 1e-9;
 /// to move them apart, and substeps hold it as well.
 const HEAPED: (usize, usize) = (4, 16);
 
-/// Balls are near that are no farther from each other than this part of the distance at which they touch, ...
-const NEAR: f64 = 1e-3;
+/// Balls lie beside each other that are no farther apart than this part of the distance at which they touch, ...
+const BESIDE: f64 = 1e-3;
 /// ... and lean on each other if they are slower against each other than so many times the rest speed.
-const LEANS: f64 = 8.0;
+const LEAN: f64 = 8.0;
+/// Where no ball is faster than so many times the rest speed, all may be about to sleep, which only substeps let them.
+const AWAKE: f64 = 8.0;
 
 /// Balls that go from impact to impact as long as they can.
 #[derive(Debug, Clone)]
@@ -61,9 +62,9 @@ impl Hybrid {
             return Some(Self { tuning, way: Way::Events(Box::new(exact)), taken: None });
         }
         is_few(balls).then(|| {
-            let way = match falling(world, balls, tuning, Clock::default()) {
-                Some(exact) => Way::Events(Box::new(exact)),
-                None => Way::Substeps(Box::new(Contact::new(world, balls, tuning).that_hands_back())),
+            let way = match falling(world, balls, tuning, Pace::default()) {
+                Some(exact) if !any_lean(balls, tuning.rest_speed) => Way::Events(Box::new(exact)),
+                _ => Way::Substeps(Box::new(Contact::new(world, balls, tuning).that_hands_back())),
             };
             Self { tuning, way, taken: None }
         })
@@ -73,13 +74,15 @@ impl Hybrid {
     fn begin_anew(&mut self, world: &World, balls: &[Ball]) -> bool {
         let Way::Events(exact) = &self.way else { return false };
         let (clock, so_far) = (exact.clock(), exact.pace());
-        let anew = if world.gravity.is_some() {
-            is_few(balls).then(|| falling(world, balls, self.tuning, clock)).flatten()
+        let anew = if world.gravity.is_none() {
+            without_gravity(world, balls, self.tuning, so_far)
+        } else if any_lean(balls, self.tuning.rest_speed) {
+            None
         } else {
-            without_gravity(world, balls, self.tuning, so_far).map(|exact| exact.starting_at(clock))
+            falling(world, balls, self.tuning, so_far)
         };
         let Some(exact) = anew else { return false };
-        self.way = Way::Events(Box::new(exact));
+        self.way = Way::Events(Box::new(exact.starting_at(clock)));
         true
     }
 
@@ -96,11 +99,11 @@ impl Hybrid {
             Way::Substeps(contact) => {
                 let Some(clock) = contact.calm_since() else { return false };
                 // What hardly moves is about to sleep.
-                let moves = |ball: &Ball| ball.velocity.length() > LEANS * self.tuning.rest_speed;
+                let moves = |ball: &Ball| ball.velocity.length() > AWAKE * self.tuning.rest_speed;
                 let any_moves = balls.iter().any(moves);
                 self.taken = contact.substeps();
-                match any_moves.then(|| falling(world, balls, self.tuning, clock)).flatten() {
-                    Some(exact) => self.way = Way::Events(Box::new(exact)),
+                match any_moves.then(|| falling(world, balls, self.tuning, Pace::default())).flatten() {
+                    Some(exact) => self.way = Way::Events(Box::new(exact.starting_at(clock))),
                     None => contact.stay_on(),
                 }
                 true
@@ -131,26 +134,26 @@ fn without_gravity(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) 
     Some(exact.while_it_keeps_pace(pace))
 }
 
-/// Events for few balls that fall, from this time on, if they suit them.
-fn falling(world: &World, balls: &[Ball], tuning: Tuning, clock: Clock) -> Option<Exact> {
-    if any_lean(balls, tuning.rest_speed) {
+/// Events for balls that fall, where impacts have kept pace so far as this says, if they suit them: if they are few, and none
+/// overlap.
+fn falling(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Option<Exact> {
+    if !is_few(balls) || overlap(world, balls) > TOUCH {
         return None;
     }
     let rate = most_substeps(world, balls, tuning);
-    let exact = unjammed(world, balls, tuning)?.starting_at(clock);
-    Some(exact.while_it_keeps_pace(Pace::IN_FALL).while_nothing_presses(rate, tuning.rest_speed))
+    let exact = unjammed(world, balls, tuning)?.while_it_keeps_pace(so_far.in_fall());
+    Some(exact.while_nothing_presses(rate, tuning.rest_speed))
 }
 
-/// Whether any balls overlap, or touch, or nearly so, and hardly move against each other: one may press the other.
+/// Whether any balls touch, or nearly so, and hardly move against each other: one may press the other.
 fn any_lean(balls: &[Ball], rest_speed: f64) -> bool {
     balls.iter().enumerate().any(|(place, one)| {
         balls[..place].iter().any(|other| {
             let (offset, velocity) = (one.position - other.position, one.velocity - other.velocity);
             let reach = one.radius + other.radius;
             let distance = offset.length();
-            let leans = || velocity.dot(offset).abs() < LEANS * rest_speed * distance;
-            !(one.is_fixed() && other.is_fixed())
-                && (distance < reach * (1.0 - TOUCH) || (distance < reach * (1.0 + NEAR) && leans()))
+            let leans = || velocity.dot(offset).abs() < LEAN * rest_speed * distance;
+            !(one.is_fixed() && other.is_fixed()) && distance < reach * (1.0 + BESIDE) && leans()
         })
     })
 }
@@ -175,20 +178,24 @@ fn are_heaped(world: &World, balls: &[Ball]) -> bool {
 
 impl Advance for Hybrid {
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
-        let mut done = 0.0;
-        let mut touched = Vec::new();
+        let (mut done, mut stopped, mut touched) = (0.0, false, Vec::new());
         loop {
+            let mut go_on = || {
+                let goes_on = go_on();
+                stopped |= !goes_on;
+                goes_on
+            };
             let left = seconds - done;
             let more = match &mut self.way {
-                Way::Events(exact) => exact.advance(frame, left, go_on),
-                Way::Substeps(contact) => contact.advance(frame, left, go_on),
+                Way::Events(exact) => exact.advance(frame, left, &mut go_on),
+                Way::Substeps(contact) => contact.advance(frame, left, &mut go_on),
             };
             // Their sum may be rounded.
             done = if more == left { seconds } else { (done + more).min(seconds) };
             for (touching, &touched) in frame.touching.iter_mut().zip(&touched) {
                 *touching |= touched;
             }
-            if !self.go_over(frame) || done == seconds {
+            if !self.go_over(frame) || done == seconds || stopped {
                 return done;
             }
             touched = frame.touching.to_vec();

@@ -247,6 +247,106 @@ fn no_law_is_broken_in_any_frames_though_substeps_come_and_go() {
 }
 
 #[test]
+fn where_balls_that_fall_are_thrown_and_come_does_not_depend_on_frames() {
+    let after = |rate: u32| {
+        let mut simulation = falling_balls(12, 0.8, Solver::Contact);
+        for act in 0..30_u32 {
+            for _ in 0..rate / 12 {
+                simulation.advance(1.0 / f64::from(rate)).unwrap();
+            }
+            if act % 6 == 2 {
+                simulation.set_velocity(act as usize % 12, DVec2::new(150.0, -300.0)).unwrap();
+            } else if act % 6 == 5 {
+                let above = DVec2::new(100.0 + 10.0 * f64::from(act), 20.0);
+                simulation.add(&[Ball::new(above, 6.0).unwrap()]).unwrap();
+            }
+        }
+        simulation.balls().to_vec()
+    };
+    let once = after(60);
+    for rate in [24, 144, 240, 996] {
+        assert_eq!(after(rate), once, "{rate} frames a second");
+    }
+}
+
+#[test]
+fn balls_that_fall_go_over_where_a_substep_begins() {
+    let mut all = 0;
+    for count in 8..24 {
+        let mut simulation = falling_balls(count, 0.8, Solver::Contact);
+        let (mut was, mut turns) = (true, 0);
+        // So frames end beside where substeps begin.
+        simulation.advance(0.5 / 960.0).unwrap();
+        for frame in 1..=960 * 6 {
+            simulation.advance(1.0 / 960.0).unwrap();
+            if has_events(&simulation) != was {
+                assert_eq!(frame % 4, 0, "{count} balls, {} s", simulation.time());
+                (was, turns) = (!was, turns + 1);
+            }
+        }
+        // Sixteen substeps at the least are taken each time.
+        assert!(turns < 90, "{count} balls: {turns}");
+        all += turns;
+    }
+    assert!(all > 30, "{all}");
+}
+
+/// One rattles between two fixed ones, and others fly far away.
+#[test]
+fn what_flies_elsewhere_does_not_notice_under_gravity_that_impacts_are_outrun() {
+    for gap in [1e-6, 1e-5, 1e-4, 1e-3] {
+        let world = World::new(DVec2::new(3000.0, 4000.0)).unwrap().with_walls(1.0).unwrap();
+        let world = world.with_gravity(EARTH).unwrap().with_pairs(Pairs::Impulse);
+        let fixed = |x: f64| moving(x, 200.0, DVec2::ZERO).fixed();
+        let rattler = moving(120.0 + 0.5 * gap, 200.0, DVec2::new(200.0, 0.0));
+        let thrown = DVec2::new(300.0, -400.0);
+        let balls = vec![fixed(100.0), fixed(140.0 + gap), rattler, moving(1500.0, 1000.0, thrown)];
+        let mut rattling = Simulation::new(world, balls, Solver::Contact).unwrap();
+        assert!(has_events(&rattling));
+        let mut events = true;
+        for frame in 1..=60 {
+            rattling.advance(FRAME).unwrap();
+            events &= has_events(&rattling);
+            let time = FRAME * f64::from(frame);
+            let law = DVec2::new(1500.0, 1000.0) + (thrown + 0.5 * EARTH * time) * time;
+            let off = rattling.balls()[3].position().distance(law);
+            assert!(off < 1e-9, "{gap} px, frame {frame}: {off} px");
+        }
+        assert!(!events, "{gap} px");
+    }
+}
+
+#[test]
+fn more_than_few_balls_that_fall_take_substeps_whenever_they_come() {
+    for frames in 0..240 {
+        let mut growing = falling_balls(12, 0.8, Solver::Contact);
+        growing.advance(f64::from(frames) / 37.0).unwrap();
+        let more = |k: u32| moving(12.0 + 19.0 * f64::from(k), 10.0 + f64::from(k % 3), DVec2::ZERO);
+        growing.add(&(0..30).map(more).collect::<Vec<_>>()).unwrap();
+        assert!(!has_events(&growing), "{frames} frames");
+        growing.advance(0.2).unwrap();
+        assert!(!has_events(&growing), "{frames} frames");
+    }
+}
+
+#[test]
+fn what_is_slow_is_left_to_substeps_in_which_it_may_sleep() {
+    let world = World::new(DVec2::new(1600.0, 400.0)).unwrap().with_walls(0.5).unwrap();
+    let world = world.with_gravity(EARTH).unwrap().with_pairs(Pairs::Impulse);
+    for (speed, events) in [(30.0, true), (0.5, false)] {
+        // Two lie beside each other.
+        let at = |x: f64, speed: f64| moving(x, 390.0, DVec2::new(speed, 0.0));
+        let balls = vec![at(100.0, 0.0), at(120.0, 0.0), at(800.0, speed)];
+        let mut lying = Simulation::new(world, balls, Solver::Contact).unwrap();
+        assert!(!has_events(&lying));
+        lying.advance(3.0).unwrap();
+        assert_eq!(has_events(&lying), events, "{speed} px/s");
+        let still = lying.balls().iter().all(|ball| ball.velocity == DVec2::ZERO);
+        assert_eq!(still, !events, "{speed} px/s");
+    }
+}
+
+#[test]
 fn balls_that_lie_on_each_other_take_substeps_until_nothing_presses_any() {
     let world = World::new(DVec2::new(1600.0, 400.0)).unwrap().with_walls(0.5).unwrap();
     let world = world.with_gravity(EARTH).unwrap().with_pairs(Pairs::Impulse);
