@@ -181,7 +181,7 @@ fn narrow_tube(tube: usize, speed: f64, ratio: f64, random: &mut impl FnMut() ->
 
 #[test]
 fn fast_balls_keep_their_order_in_a_narrow_tube() {
-    for (speed, ratio) in [(1e4, 1.0), (1e4, 30.0)] {
+    for (speed, ratio) in [(1e4, 1.0), (1e4, 30.0), (300.0, 1e6)] {
         let mut random = random(32);
         for tube in 0..600 {
             for mut simulation in both_ways(&narrow_tube(tube, speed, ratio, &mut random)) {
@@ -189,6 +189,29 @@ fn fast_balls_keep_their_order_in_a_narrow_tube() {
                     simulation.advance(FRAME).unwrap();
                     let balls = simulation.balls();
                     assert!(are_in_order(balls), "1 : {ratio}, tube {tube}, frame {frame}: {balls:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_heavy_ball_goes_past_no_light_one_that_it_presses_against_the_end_of_a_tube_under_gravity() {
+    for restitution in [0.0, 0.7, 1.0] {
+        for speed in [60.0, 120.0, 190.0, 600.0, 1500.0] {
+            for part in [0.01, 1.0] {
+                let heavy = of(moving(ball(50.0, 14.0, 10.0), speed, 0.0), 3e5, restitution);
+                let light = of(ball(85.0, 12.0, 10.0), 1.0, restitution);
+                let tube = world(100.0, 25.0, 0.0).with_gravity(part * EARTH).unwrap();
+                for mut tube in both_ways(&simulation(tube, vec![heavy, light])) {
+                    for frame in 0..60 {
+                        tube.advance(FRAME).unwrap();
+                        assert!(
+                            are_in_order(tube.balls()),
+                            "e = {restitution}, {speed} px/s, {part} of gravity, frame {frame}: {:?}",
+                            tube.balls()
+                        );
+                    }
                 }
             }
         }

@@ -6,12 +6,13 @@
 //! where they were hit last, or would end, until they touch something. They lose time, and come into nothing.
 //!
 //! Under gravity, where overlaps follow loads, only where the substep was ended for fast ones, or where one of unlike balls was
-//! hit as often as it may be and goes on: nothing else keeps what these hit from going through then. What presses for long
-//! on one that has no room may press for ever so; that one is left to what holds it, now and then.
+//! hit as often as it may be and goes on, or comes to one that was, or presses, and has not stopped it: nothing else keeps what
+//! these hit from going through then. What presses for long on one that has no room may press for ever so; that one is left to
+//! what holds it, now and then.
 
 use glam::DVec2;
 
-use super::constraints::Pair;
+use super::constraints::{Constraint, Pair};
 use super::fates::Limits;
 use super::layout::{Layer, Layout};
 use super::near::Near;
@@ -19,6 +20,7 @@ use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
 use super::sweep::{Pass, Share};
 use super::turns::Course;
+use super::unlike::Unlike;
 use super::{Body, Contact, Setting};
 
 /// A ball may end in another by this part of the smaller radius, or as deep as it began: that is mended.
@@ -30,6 +32,10 @@ const PUSHED: f64 = 0.125;
 /// it may have, and is faster than so many of gravity's kicks, may go through others: they are too light to turn it back. What
 /// only sinks among light ones is slower.
 const RAMMING: (f64, f64) = (0.05, 50.0);
+/// Under gravity what holds two balls that are unlike in density has not stopped them where they still come into each other faster
+/// than so many of gravity's kicks, and so far that room is looked for: a light one at a wall or at others gives a heavy one its own
+/// small momentum in each sweep, however slow that is. Not of one material: piles of large and small balls come to rest later.
+const UNSTOPPED: f64 = 10.0;
 /// Under gravity, where a ball had no room in so many substeps in a row in which any was looked for, its pairs with balls that do
 /// not ram it are not looked at in the next. If all always are, ten piles of unlike balls in 120 find no rest; with 4, two of
 /// them, and more balls go through others.
@@ -117,7 +123,12 @@ impl Contact {
         let hit = course.fates.iter().zip(restitutions).enumerate();
         let mut spent = hit.filter(|(_, (fate, own))| limits.may_be_spent(fate, **own)).map(|(at, _)| at);
         if setting.kick != DVec2::ZERO {
-            return spent.any(|at| rests[at].unlike.differs() && setting.rams(&bodies[at]));
+            return spent.any(|at| rests[at].unlike.differs() && setting.rams(&bodies[at]))
+                || setting.unlike == Unlike::Density
+                    && near.holding().any(|(first, second, constraint)| {
+                        let differ = [first, second].iter().all(|&at| rests[at].unlike == Unlike::Density);
+                        differ && setting.goes_on(&bodies[first], &bodies[second], constraint)
+                    });
         }
         spent.next().is_some()
             || near.holding().any(|(first, second, constraint)| {
@@ -135,6 +146,13 @@ impl Setting {
         let (part, kicks) = RAMMING;
         let slow = (part * body.radius / self.substep).max(kicks * self.kick.length());
         body.velocity.distance_squared(self.common) > slow * slow
+    }
+
+    /// Whether what holds two balls has not stopped them.
+    fn goes_on(&self, first: &Body, second: &Body, held: &Constraint) -> bool {
+        let part = DEEPEST * first.radius.min(second.radius) / self.substep;
+        let slow = part.max(UNSTOPPED * self.kick.length());
+        (first.velocity - second.velocity).dot(held.normal) < held.least.min(0.0) - slow
     }
 }
 
