@@ -87,7 +87,8 @@ pub(super) fn section(problems: &[Problem], context: &mut Context) -> Result<Sec
          setting: frames (`canvas`) or substeps (`contact`) of 1/30, 1/60, … 1/7680 s, rest speeds (`exact`) of 10, \
          1, … 10⁻⁶ px/s. Ringed is the one that is used where nothing is said; as long as nothing presses balls together, as in \
          most of these problems, `contact` takes no substeps then, but does as `exact`: those are for what does. Where nothing \
-         comes to rest, `exact` does the same whatever its rest speed, and its marks lie on each other. An error below 10⁻¹⁴ px, none at all too, is drawn there. The order is the slope of the \
+         comes to rest, `exact` does the same whatever its rest speed, and its marks lie on each other. An error below \
+         10⁻¹⁴ px, none at all too, is drawn there. The order is the slope of the \
          error at the end over the step, fitted between 10⁻⁹ and 30 px where the errors lie on a \
          line (their correlation is above 0.95). Lines in grey have the slopes of order 1 and \
          2.",

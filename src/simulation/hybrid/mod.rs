@@ -6,7 +6,8 @@
 //!
 //! Under gravity that goes for few balls alone. Once some lie on others these would hit each other endlessly: then, too,
 //! substeps go on, from where the next would begin if all had been taken, so that whole numbers of them are over where frames
-//! of a 60th of a second are. (Where impacts are outrun, from there on; the first is shorter.) When nothing but walls has held any for a while, events take over again.
+//! of a 60th of a second are. (Where impacts are outrun, from there on; the first is shorter.) When nothing but walls has held any
+//! for a while, events take over again.
 
 use super::ball::Ball;
 use super::contact::{Contact, can_rest, is_few, most_substeps};
