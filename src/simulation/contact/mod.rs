@@ -21,7 +21,7 @@
 //! 6. those of a row along a wall that has no room for them are moved off it, with what energy that takes (`rows`);
 //! 7. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
-//! Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
+//! Where nothing presses, events take their place (`handover`). Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
 //! `legs`).
 //!
 //! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`); passes
@@ -45,6 +45,7 @@ mod events;
 mod fates;
 mod find;
 mod firm;
+mod handover;
 mod impacts;
 mod islands;
 mod layout;
@@ -87,6 +88,7 @@ use super::{Tally, Tuning, within};
 use body::Body;
 use energy::Keeping;
 use find::{Cargo, FEW};
+pub(super) use handover::{is_few, most_substeps};
 use layout::{Layer, Layout};
 use near::Near;
 use parting::Parting;
@@ -240,25 +242,6 @@ impl Contact {
             before: Vec::new(),
             clock: Clock::default(),
         }
-    }
-
-    /// The same solver at a later time, at which its balls are as they are: its first substep is what is left of the one
-    /// that this time lies in.
-    pub(super) fn starting_at(mut self, clock: Clock) -> Self {
-        let rate = self.substeps.rate;
-        let (steps, since) = clock.steps(rate);
-        let within = steps % self.substeps.next_length();
-        self.late = within as f64 / f64::from(rate) + since;
-        let whole = self.setting;
-        self.setting.substep -= self.late;
-        self.setting.kick = self.setting.gravity * self.setting.substep;
-        // Half-way through this one they are less far on their ways.
-        let less = 0.5 * (whole.kick - self.setting.kick);
-        for body in self.bodies.iter_mut().filter(|body| body.inverse_mass > 0.0) {
-            body.velocity += less;
-            body.free += less;
-        }
-        Self { clock, steps: steps - within, ..self }
     }
 
     /// One substep.
@@ -489,17 +472,6 @@ pub(super) fn can_rest(world: &World, balls: &[Ball]) -> bool {
 /// Whether there are balls that notice each other.
 fn has_pairs(world: &World, balls: &[Ball]) -> bool {
     world.pairs == Some(Pairs::Impulse) && balls.len() > 1
-}
-
-/// Whether these are so few that substeps look at each of them.
-pub(super) fn is_few(balls: &[Ball]) -> bool {
-    balls.len() <= FEW
-}
-
-/// How many substeps in a second these balls take at most.
-pub(super) fn most_substeps(world: &World, balls: &[Ball], tuning: Tuning) -> u32 {
-    let [_, most] = Substeps::new(world, balls, tuning).range(balls.len(), world.gravity.unwrap_or_default());
-    most
 }
 
 /// What the tests of the parts begin with.

@@ -4,7 +4,6 @@
 //! come to nothing in them: each ball goes on as it does, or bounces off walls, or two meet and fly apart. What the search for pairs
 //! found may stand for longer so, and what balls count with: the next whole substep finds these anew, before anything presses.
 
-use super::super::clock::Clock;
 use super::super::lesser::lesser;
 use super::constraints::{Beside, Marks};
 use super::fates::{Fate, is_fast};
@@ -30,30 +29,7 @@ struct Happens {
     tally: Tally,
 }
 
-/// Events take over once so many substeps in a row were quiet: to begin with them takes as long as some of these.
-const CALM: u32 = 16;
-
 impl Contact {
-    /// The same solver, which stops once nothing has pressed for a while.
-    pub(in crate::simulation) fn that_hands_back(self) -> Self {
-        Self { hands_back: true, ..self }
-    }
-
-    /// Whether it has stopped for that.
-    pub(super) fn is_calm(&self) -> bool {
-        self.hands_back && self.quiet >= CALM
-    }
-
-    /// The time, if it has stopped for that, and shows a substep's end.
-    pub(in crate::simulation) fn calm_since(&self) -> Option<Clock> {
-        (self.is_calm() && self.clock >= Clock::at_step(self.steps, self.substeps.rate)).then_some(self.clock)
-    }
-
-    /// Goes on for another while.
-    pub(in crate::simulation) fn stay_on(&mut self) {
-        self.quiet = 0;
-    }
-
     /// Takes this substep, at whose beginning gravity has changed all velocities, if it is a quiet one; whether it was.
     pub(super) fn pass_quietly(&mut self, tally: &mut Tally) -> bool {
         let Some(Happens { hit, met, tally: counted }) = self.happens() else { return false };

@@ -58,32 +58,22 @@ impl Hybrid {
         if !suits {
             return None;
         }
-        if world.gravity.is_none() {
-            let exact = without_gravity(world, balls, tuning, Pace::default())?;
-            return Some(Self { tuning, way: Way::Events(Box::new(exact)), taken: None });
-        }
-        is_few(balls).then(|| {
-            let way = match falling(world, balls, tuning, Pace::default()) {
-                Some(exact) if !any_lean(balls, tuning.rest_speed) => Way::Events(Box::new(exact)),
-                _ => Way::Substeps(Box::new(Contact::new(world, balls, tuning).that_hands_back())),
-            };
-            Self { tuning, way, taken: None }
-        })
+        let way = match events(world, balls, tuning, Pace::default()) {
+            Some(exact) => Way::Events(Box::new(exact)),
+            None if world.gravity.is_some() && is_few(balls) => {
+                Way::Substeps(Box::new(Contact::new(world, balls, tuning).that_hands_back()))
+            }
+            None => return None,
+        };
+        Some(Self { tuning, way, taken: None })
     }
 
     /// Begins events anew with what was changed from outside, and returns whether they suit it.
     fn begin_anew(&mut self, world: &World, balls: &[Ball]) -> bool {
         let Way::Events(exact) = &self.way else { return false };
-        let (clock, so_far) = (exact.clock(), exact.pace());
-        let anew = if world.gravity.is_none() {
-            without_gravity(world, balls, self.tuning, so_far)
-        } else if any_lean(balls, self.tuning.rest_speed) {
-            None
-        } else {
-            falling(world, balls, self.tuning, so_far)
-        };
-        let Some(exact) = anew else { return false };
-        self.way = Way::Events(Box::new(exact.starting_at(clock)));
+        let clock = exact.clock();
+        let Some(anew) = events(world, balls, self.tuning, exact.pace()) else { return false };
+        self.way = Way::Events(Box::new(anew.starting_at(clock)));
         true
     }
 
@@ -111,6 +101,15 @@ impl Hybrid {
             }
             Way::Events(_) => false,
         }
+    }
+}
+
+/// Events, where impacts have kept pace so far as this says, if they suit balls that may be anyhow.
+fn events(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Option<Exact> {
+    if world.gravity.is_none() {
+        without_gravity(world, balls, tuning, so_far)
+    } else {
+        falling(world, balls, tuning, so_far).filter(|_| !any_lean(balls, tuning.rest_speed))
     }
 }
 
