@@ -12,6 +12,7 @@ use super::calendar::Calendar;
 use super::cells::Cells;
 use super::events::{CREEP, LONGEST_YEAR, MANY, SHORTEST_YEAR};
 use super::flights::{Flight, Marks, Matter};
+use super::swept::Swept;
 use super::{Exact, Needs, impacts};
 
 /// What balls move at most between two hits that are chatter, as a part of the smallest radius.
@@ -45,6 +46,7 @@ impl Exact {
             // Anew, since the balls have another order now.
             cells: has_pairs.then(|| cells_of(world, in_order(balls, &ids))),
             overlaps: (world.pairs == Some(Pairs::Detect)).then(|| vec![Vec::new(); balls.len()]),
+            swept: Vec::new(),
             clock: Clock::default(),
             origin: Clock::default(),
             span: first_span(world, balls),
@@ -65,6 +67,9 @@ impl Exact {
         };
         if exact.overlaps.is_none() && exact.matter.iter().all(|matter| *matter == exact.matter[0]) {
             exact.matter.truncate(1);
+        }
+        if exact.cells.as_ref().is_some_and(Cells::single) {
+            exact.swept = vec![Swept::ALL; balls.len()];
         }
         exact.hold_immovable(in_order(balls, &ids));
         exact

@@ -6,6 +6,7 @@ use crate::simulation::lesser::lesser;
 
 use super::cells::Border;
 use super::flights::Against;
+use super::swept::Swept;
 use super::{Exact, Needs};
 
 /// What a ball's own flight leads to, whatever the others do.
@@ -49,7 +50,7 @@ impl Exact {
     pub(super) fn foresee<N: Needs>(&mut self, slot: usize, now: f64) {
         let before = self.hide::<N>(slot);
         self.foresee_hidden::<N>(slot, now);
-        self.reveal(slot, before);
+        self.reveal::<N>(slot, before, now);
     }
 
     /// The same for two balls that have just hit each other.
@@ -62,8 +63,8 @@ impl Exact {
             let before = (self.hide::<N>(one), self.hide::<N>(other));
             self.foresee_hidden::<N>(one, now);
             self.foresee_hidden::<N>(other, now);
-            self.reveal(other, before.1);
-            self.reveal(one, before.0);
+            self.reveal::<N>(other, before.1, now);
+            self.reveal::<N>(one, before.0, now);
         } else {
             self.foresee::<N>(one, now);
             self.foresee::<N>(other, now);
@@ -73,14 +74,20 @@ impl Exact {
     /// Takes a ball out of its cell for a while: nobody meets itself.
     #[inline]
     fn hide<N: Needs>(&mut self, slot: usize) -> usize {
+        if let Some(swept) = self.swept.get_mut(slot) {
+            *swept = Swept::NOTHING;
+            return 0;
+        }
         let place = self.flights[slot].place;
         self.cells.as_mut().map_or(0, |cells| cells.hide::<N>(slot, place))
     }
 
     /// Puts it back.
     #[inline]
-    fn reveal(&mut self, slot: usize, before: usize) {
-        if let Some(cells) = &mut self.cells {
+    fn reveal<N: Needs>(&mut self, slot: usize, before: usize, now: f64) {
+        if !self.swept.is_empty() {
+            self.swept[slot] = self.sweep::<N>(slot, now);
+        } else if let Some(cells) = &mut self.cells {
             cells.reveal(slot, before);
         }
     }

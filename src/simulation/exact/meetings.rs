@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::simulation::flight::{NEVER, Pair};
+use crate::simulation::lesser::lesser;
 
 use super::cells::{Border, END};
 use super::flights::Against;
@@ -57,14 +58,15 @@ impl Exact {
         let inside = |other: usize| N::DETECT && self.overlap(slot, other);
         let mut first = First { time: flight.impact, partner: END, touches: false };
         let mut accelerated = Postponed::default();
+        let pull = |other: usize| self.pull::<N>(other) - self.pull::<N>(slot);
+        // A meeting after the next impact of either of them does not count.
+        let limit = |other: usize, first: &First| lesser(first.time, self.flights[other].impact);
         let meet_accelerated = |other: usize, first: &mut First| {
             let pair = pair(other);
             if pair.are_within(AT_HAND) {
                 first.touches = true;
             }
-            let pull = self.pull::<N>(other) - self.pull::<N>(slot);
-            // A meeting after the next impact of either of them does not count.
-            let limit = first.time.min(self.flights[other].impact);
+            let (pull, limit) = (pull(other), limit(other, first));
             let time = if inside(other) {
                 pair.part_accelerated(pull, limit - now)
             } else {
@@ -73,14 +75,15 @@ impl Exact {
             first.or(now + time, other, self.flights[other].impact);
         };
         let mut near = 0;
-        cells.for_each_near::<N>(slot, flight.place, crossed, |other| {
+        let visit = |other: usize| {
             near += 1;
             let held = |slot: usize| self.marks[slot].rests() == 3;
             if N::HOLDS && held(slot) && held(other) {
                 // Neither moves: they never meet.
             } else if N::HOLDS && self.marks[slot].rests() != self.marks[other].rests() {
                 // These cost most, and least where there is little time left: they come last.
-                if !accelerated.push(other) {
+                let keeps_away = pair(other).keeps_away(pull(other), limit(other, &first) - now);
+                if !keeps_away && !accelerated.push(other) {
                     meet_accelerated(other, &mut first);
                 }
             } else {
@@ -95,7 +98,15 @@ impl Exact {
                 };
                 first.or(now + time, other, self.flights[other].impact);
             }
-        });
+        };
+        if self.swept.is_empty() {
+            cells.for_each_near::<N>(slot, flight.place, crossed, visit);
+        } else {
+            let own = self.sweep::<N>(slot, now);
+            // In the order in which they stand in their cell.
+            let others = self.swept.iter().enumerate().rev().filter(|(_, swept)| own.overlaps(swept));
+            others.map(|(other, _)| other).for_each(visit);
+        }
         for &other in accelerated.all() {
             meet_accelerated(other, &mut first);
         }

@@ -14,7 +14,7 @@
 //! - `settle`, `group`: how they come to rest on each other;
 //! - `pace`: whether there are more impacts than can be followed;
 //! - `pressing`: when it ends because balls press on each other, where `contact` holds these;
-//! - `cells`, `calendar`: where balls are, and the queue;
+//! - `cells`, `swept`, `calendar`: where balls are, and will be, and the queue;
 //! - `read_ahead`: how memory is kept from being waited for, where balls are many.
 
 mod begin;
@@ -30,6 +30,7 @@ mod pace;
 mod pressing;
 mod read_ahead;
 mod settle;
+mod swept;
 mod together;
 
 use std::fmt::Debug;
@@ -45,6 +46,7 @@ use cells::Cells;
 use flights::{Flight, Marks, Matter};
 pub(super) use pace::Pace;
 use pressing::Pressing;
+use swept::Swept;
 
 /// The event-driven solver.
 ///
@@ -75,6 +77,8 @@ pub(super) struct Exact {
     calendar: Calendar,
     /// Where pairs meet.
     cells: Option<Cells>,
+    /// Where there is one cell alone, what each slot's ball sweeps until its next impact; else empty.
+    swept: Vec<Swept>,
     /// Where they only fly through each other: whom each slot's ball overlaps now.
     overlaps: Option<Vec<Vec<u32>>>,
     clock: Clock,

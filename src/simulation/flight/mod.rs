@@ -79,6 +79,9 @@ const FASTEST_PARTING: f64 = 4.0;
 /// distance at which it touches: little enough to be seen by no one, and enough for time to pass.
 const SUNK: f64 = 2e-7;
 
+/// Balls touch, or may as good as touch, that are nearer to each other than the distance at which they touch times this.
+const NEARLY: f64 = 1.0 + 1e-6;
+
 /// The slowest speed that counts, px/s: halved on and on, speeds end in numbers that cannot be halved.
 const SLOWEST: f64 = 1e-100;
 
@@ -145,6 +148,15 @@ impl Pair {
     pub(super) fn are_within(&self, part: f64) -> bool {
         let square = self.reach * self.reach;
         self.offset.length_squared() - square <= part * square
+    }
+
+    /// Whether they surely do not come to touch within this time, s, where the other is accelerated by this relative to the one:
+    /// whether they stay apart along one axis. That takes no root.
+    #[inline]
+    pub(super) fn keeps_away(&self, acceleration: DVec2, time: f64) -> bool {
+        let way = (self.velocity.abs() + acceleration.abs() * (0.5 * time)) * time;
+        // Of a way without end, or of NaN, nothing is said.
+        (self.offset.abs() - way).cmpgt(DVec2::splat(self.reach * NEARLY)).any()
     }
 
     /// Whether they approach each other: what rounding makes of none is none.
