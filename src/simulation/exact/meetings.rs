@@ -21,7 +21,8 @@ impl Exact {
     }
 
     /// The same where the first one's position and velocity are known.
-    #[inline]
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "it is called for each of the balls that are looked at")]
     fn pair_seen_from<N: Needs>(
         &self,
         slot: usize,
