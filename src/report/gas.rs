@@ -105,9 +105,9 @@ fn measure(
 
 /// The settings that are run: every second of a ladder, up to what a gas needs.
 fn settings() -> Vec<Setting> {
-    let all = Solver::ALL.iter().flat_map(|&solver| Setting::ladder(solver, false));
+    let all = Solver::ALL.iter().flat_map(|&solver| Setting::all(solver, false));
     all.filter(|setting| match setting {
-        Setting::Frames(_) => true,
+        Setting::Frames(_) | Setting::OwnSubsteps => true,
         Setting::Substeps(rate) => *rate <= 1920,
         // Nothing comes to rest: all rest speeds are one.
         Setting::RestSpeed(speed) => *speed == 1.0,
@@ -144,7 +144,7 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
     let mut found = Vec::new();
     for setting in settings() {
         context.progress.step("gas");
-        let (solver, quantity, size) = (setting.solver(), setting.quantity(), setting.size());
+        let (solver, quantity, size) = (setting.solver(), setting.quantity(), setting.written_size());
         match measure(&world, &balls, setting, context) {
             Ok(statistics) => {
                 let Statistics { energy, compressibility, speeds, times } = statistics;
@@ -212,6 +212,7 @@ fn figure(found: &[(Setting, Statistics)]) -> Figure {
             y: (statistics.compressibility / PUBLISHED - 1.0).abs().max(1e-4),
             spread: Some(statistics.times.quartiles),
             used: setting.is_default(),
+            joined: setting.size().is_some(),
         };
         own.map(dot).collect()
     });

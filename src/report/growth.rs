@@ -38,7 +38,7 @@ fn settings() -> [Setting; 5] {
     [
         Setting::Frames(60),
         Setting::Frames(7680),
-        Setting::Substeps(240),
+        Setting::OwnSubsteps,
         Setting::Substeps(7680),
         Setting::RestSpeed(1.0),
     ]

@@ -77,9 +77,9 @@ fn measure(world: &World, balls: &[Ball], setting: Setting, context: &Context) -
 
 /// The settings that are run.
 fn settings(quick: bool) -> Vec<Setting> {
-    let all = Solver::ALL.iter().flat_map(|&solver| Setting::ladder(solver, quick));
+    let all = Solver::ALL.iter().flat_map(|&solver| Setting::all(solver, quick));
     all.filter(|setting| match setting {
-        Setting::Frames(_) => true,
+        Setting::Frames(_) | Setting::OwnSubsteps => true,
         Setting::Substeps(rate) => *rate <= 1920,
         Setting::RestSpeed(speed) => *speed >= 1.0,
     })
@@ -108,7 +108,7 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
     let mut found = Vec::new();
     for setting in settings(context.quick) {
         context.progress.step("pile");
-        let (solver, quantity, size) = (setting.solver(), setting.quantity(), setting.size());
+        let (solver, quantity, size) = (setting.solver(), setting.quantity(), setting.written_size());
         match measure(&world, &balls, setting, context) {
             Ok(rest) => {
                 let Rest { mean_overlap, most_overlap, speed, seconds } = rest;
@@ -176,6 +176,7 @@ fn figure(found: &[(Setting, Rest)], tried: &[Setting]) -> Figure {
             let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
             let dot = |(setting, rest): &(Setting, Rest)| Dot {
                 used: setting.is_default(),
+                joined: setting.size().is_some(),
                 ..Dot::at(rest.seconds, value(rest).max(1e-12))
             };
             own.map(dot).collect()
@@ -204,7 +205,8 @@ mod tests {
             )
             .unwrap()
         };
-        let (contact, canvas) = (measured(Setting::Substeps(240)), measured(Setting::Frames(60)));
+        let (contact, canvas) =
+            (measured(Setting::default_of(Solver::Contact)), measured(Setting::Frames(60)));
         assert!(contact.most_overlap < 0.1 && contact.speed < 10.0, "{contact:?}");
         assert!(canvas.most_overlap > 0.5, "{canvas:?}");
     }

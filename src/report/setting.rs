@@ -22,6 +22,8 @@ pub(super) enum Setting {
     Frames(u32),
     /// `contact`, with so many substeps a second.
     Substeps(u32),
+    /// `contact`, with as many as it takes where it is told nothing: none where nothing presses balls together.
+    OwnSubsteps,
     /// `exact`, with this rest speed, px/s.
     RestSpeed(f64),
 }
@@ -73,11 +75,21 @@ impl Setting {
         }
     }
 
+    /// All settings that a solver is run with: its ladder, and its default where that is no rung of it.
+    pub(super) fn all(solver: Solver, quick: bool) -> Vec<Self> {
+        let mut all = Self::ladder(solver, quick);
+        let default = Self::default_of(solver);
+        if !all.contains(&default) {
+            all.push(default);
+        }
+        all
+    }
+
     /// What a solver does where it is told nothing: the demo's frames, and each solver's own default.
     pub(super) fn default_of(solver: Solver) -> Self {
         match solver {
             Solver::Canvas => Self::Frames(60),
-            Solver::Contact => Self::Substeps(240),
+            Solver::Contact => Self::OwnSubsteps,
             Solver::Exact => Self::RestSpeed(DEFAULT_REST_SPEED),
         }
     }
@@ -90,24 +102,30 @@ impl Setting {
     pub(super) fn solver(self) -> Solver {
         match self {
             Self::Frames(_) => Solver::Canvas,
-            Self::Substeps(_) => Solver::Contact,
+            Self::Substeps(_) | Self::OwnSubsteps => Solver::Contact,
             Self::RestSpeed(_) => Solver::Exact,
         }
     }
 
-    /// What is small where the setting is fine: the step, s, or the rest speed, px/s.
-    pub(super) fn size(self) -> f64 {
+    /// What is small where the setting is fine: the step, s, or the rest speed, px/s. None where it is no rung of a ladder.
+    pub(super) fn size(self) -> Option<f64> {
         match self {
-            Self::Frames(rate) | Self::Substeps(rate) => 1.0 / f64::from(rate),
-            Self::RestSpeed(speed) => speed,
+            Self::Frames(rate) | Self::Substeps(rate) => Some(1.0 / f64::from(rate)),
+            Self::OwnSubsteps => None,
+            Self::RestSpeed(speed) => Some(speed),
         }
+    }
+
+    /// The same as it stands in a table of numbers: empty where there is none.
+    pub(super) fn written_size(self) -> String {
+        self.size().map_or_else(String::new, |size| size.to_string())
     }
 
     /// The name of the quantity that is set, with its unit.
     pub(super) fn quantity(self) -> &'static str {
         match self {
             Self::Frames(_) => "frame_s",
-            Self::Substeps(_) => "substep_s",
+            Self::Substeps(_) | Self::OwnSubsteps => "substep_s",
             Self::RestSpeed(_) => "rest_speed_px_per_s",
         }
     }
@@ -116,7 +134,7 @@ impl Setting {
     pub(super) fn build(self, world: &World, balls: &[Ball]) -> Result<Simulation, GivenUp> {
         let simulation = Simulation::new(*world, balls.to_vec(), self.solver())?;
         Ok(match self {
-            Self::Frames(_) => simulation,
+            Self::Frames(_) | Self::OwnSubsteps => simulation,
             Self::Substeps(rate) => simulation.with_substeps(rate)?,
             Self::RestSpeed(speed) => simulation.with_rest_speed(speed)?,
         })
@@ -204,6 +222,7 @@ impl fmt::Display for Setting {
         match self {
             Self::Frames(rate) => write!(f, "frames of 1/{rate} s"),
             Self::Substeps(rate) => write!(f, "substeps of 1/{rate} s"),
+            Self::OwnSubsteps => f.write_str("as many substeps as it takes"),
             Self::RestSpeed(speed) if *speed < 1.0 => write!(f, "rest speed {speed:e} px/s"),
             Self::RestSpeed(speed) => write!(f, "rest speed {speed} px/s"),
         }
@@ -223,13 +242,30 @@ mod tests {
     }
 
     #[test]
-    fn ladders_go_from_coarse_to_fine_and_hold_the_default_settings() {
+    fn ladders_go_from_coarse_to_fine_and_solvers_run_with_their_defaults_once() {
         for &solver in Solver::ALL {
             let ladder = Setting::ladder(solver, false);
             assert!(ladder.windows(2).all(|pair| pair[0].size() > pair[1].size()));
             let quick = Setting::ladder(solver, true);
             assert!(quick.len() * 2 <= ladder.len());
-            assert!([ladder, quick].iter().all(|ladder| ladder.contains(&Setting::default_of(solver))));
+            for (ladder, quick) in [(ladder, false), (quick, true)] {
+                let all = Setting::all(solver, quick);
+                assert!(all.starts_with(&ladder));
+                assert_eq!(all.iter().filter(|setting| setting.is_default()).count(), 1);
+            }
         }
+    }
+
+    #[test]
+    fn contact_takes_no_substeps_where_nothing_presses_unless_it_is_told_how_many() {
+        let world = World::new(glam::DVec2::splat(100.0)).unwrap();
+        let world = world.with_pairs(crate::simulation::Pairs::Impulse);
+        let balls: Vec<Ball> =
+            [20.0, 80.0].map(|x| Ball::new(glam::DVec2::new(x, 50.0), 5.0).unwrap()).into();
+        let takes = |setting: Setting| {
+            let simulation = setting.build(&world, &balls).unwrap();
+            !simulation.parts().contains(&crate::simulation::Part::Events)
+        };
+        assert!(takes(Setting::Substeps(240)) && !takes(Setting::default_of(Solver::Contact)));
     }
 }

@@ -42,6 +42,7 @@ fn dots(points: &[Point], solver: Solver, at_end: bool) -> Vec<Dot> {
             y: if at_end { *end } else { *run }.max(LEAST_ERROR),
             spread: Some(times.quartiles),
             used: setting.is_default(),
+            joined: setting.size().is_some(),
         })
         .collect()
 }

@@ -39,7 +39,8 @@ pub(super) fn costs(measured: &[(&Problem, Vec<Point>)]) -> Table {
 
 /// A point in whole numbers.
 pub(super) fn write_row(csv: &mut Csv, problem: &Problem, Point { setting, outcome }: &Point) {
-    let (name, solver, quantity, size) = (problem.name, setting.solver(), setting.quantity(), setting.size());
+    let (name, solver, quantity, size) =
+        (problem.name, setting.solver(), setting.quantity(), setting.written_size());
     match outcome {
         Ok(Measured { end, run, impacts, times }) => csv.row(&[
             &name,

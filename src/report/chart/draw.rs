@@ -202,7 +202,7 @@ fn in_the_way<DB: DrawingBackend>(
     let mut lines: Vec<Vec<(f64, f64)>> = guides.map(|ends| ends.to_vec()).collect();
     let at = |x: f64, y: f64| (panel.x.place(x), panel.y.place(y));
     for dots in panel.curves.iter().map(|curve| &curve.dots) {
-        lines.push(dots.iter().map(|dot| at(dot.x, dot.y)).collect());
+        lines.push(dots.iter().filter(|dot| dot.joined).map(|dot| at(dot.x, dot.y)).collect());
         let spread = |dot: &Dot| dot.spread.map(|(least, most)| vec![at(least, dot.y), at(most, dot.y)]);
         lines.extend(dots.iter().filter_map(spread));
     }
@@ -232,12 +232,14 @@ fn draw_curve<DB: DrawingBackend>(
 ) -> Result<(), String> {
     let places: Vec<(f64, f64)> =
         curve.dots.iter().map(|dot| (panel.x.place(dot.x), panel.y.place(dot.y))).collect();
+    let joined: Vec<(f64, f64)> =
+        places.iter().zip(&curve.dots).filter(|(_, dot)| dot.joined).map(|(&at, _)| at).collect();
     let line = curve.style.colour.stroke_width(2 * scale);
     match curve.style.dash {
         _ if !curve.lined => Ok(()),
-        None => chart.draw_series(LineSeries::new(places.clone(), line)).map(drop),
+        None => chart.draw_series(LineSeries::new(joined, line)).map(drop),
         Some((dash, gap)) => {
-            let series = DashedLineSeries::new(places.clone(), dash * scale, gap * scale, line);
+            let series = DashedLineSeries::new(joined, dash * scale, gap * scale, line);
             chart.draw_series(series).map(drop)
         }
     }

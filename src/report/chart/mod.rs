@@ -74,11 +74,13 @@ pub(super) struct Dot {
     pub(super) spread: Option<(f64, f64)>,
     /// Whether it is of the setting that a solver is used with: it gets a ring.
     pub(super) used: bool,
+    /// Whether its curve's line goes through it: where it is a rung of the ladder that the curve is of.
+    pub(super) joined: bool,
 }
 
 impl Dot {
     pub(super) fn at(x: f64, y: f64) -> Self {
-        Self { x, y, spread: None, used: false }
+        Self { x, y, spread: None, used: false, joined: true }
     }
 }
 
@@ -309,6 +311,33 @@ mod tests {
                 .any(|pixel| (pixel.red(), pixel.green(), pixel.blue()) == (colour.0, colour.1, colour.2))
         };
         assert!(has(ORANGE) && has(BLUE) && !has(GREEN));
+    }
+
+    #[test]
+    fn the_line_of_a_curve_goes_through_the_dots_that_it_joins() {
+        let mut figure = figure();
+        figure.columns = 1;
+        figure.panels.truncate(1);
+        figure.panels[0].guides.clear();
+        figure.panels[0].curves = vec![Curve {
+            style: Style::of(Solver::Exact),
+            dots: vec![
+                Dot::at(1e-5, 1e-4),
+                Dot::at(1e-4, 1e-4),
+                Dot { joined: false, ..Dot::at(1e-4, 1e-8) },
+            ],
+            ..figure.panels[0].curves[1].clone()
+        }];
+        carry_font().unwrap();
+        let svg = figure.svg().unwrap();
+        let lines: Vec<&str> =
+            svg.split("<polyline").filter(|tag| tag.split('>').next().unwrap().contains("#005AA0")).collect();
+        let points = |line: &str| {
+            line.split("points=\"").nth(1).unwrap().split('"').next().unwrap().trim().split(' ').count()
+        };
+        // That of the legend, too.
+        assert!(!lines.is_empty() && lines.iter().all(|line| points(line) == 2), "{lines:?}");
+        assert_eq!(svg.matches("<circle").count(), 4, "{svg}");
     }
 
     /// The texts of an SVG: where they begin or end, and what they say.
