@@ -179,9 +179,9 @@ fn a_ball_that_lies_is_thrown_from_where_it_lies_and_flies_as_in_exact() {
             simulation.advance(0.0).unwrap();
             let shown = simulation.balls()[0].velocity();
             assert!((shown - DVec2::new(50.0, thrown)).length() < 1e-9, "{under:?}, {begun}: {shown}");
-            // It begins to move with the next substep.
+            // It begins to move with the next substep; alone, where there are none, at once.
             let seconds = 0.03;
-            let late = (240.0 * begun).ceil() / 240.0 - begun;
+            let late = under.map_or(0.0, |_| (240.0 * begun).ceil() / 240.0 - begun);
             simulation.advance(late + seconds).unwrap();
             let (place, velocity) = (simulation.balls()[0].position(), simulation.balls()[0].velocity());
             let flown = thrown * seconds + 490.0 * seconds * seconds;
@@ -210,6 +210,31 @@ fn flying_balls_fly_as_in_exact_whatever_the_substep() {
             assert!(error < bound, "{scene} in substeps of 1/{}: {error:e}", slowest << doublings);
             assert_eq!(contact.tally().impacts, exact.tally().impacts);
         }
+    }
+}
+
+#[test]
+fn one_ball_and_any_that_do_not_notice_each_other_fly_and_bounce_to_the_bits_of_exact() {
+    let box_of = world(900.0, 600.0, 0.9).with_gravity(EARTH).unwrap();
+    let unnoticed = World::new(box_of.size()).unwrap().with_walls(0.9).unwrap().with_gravity(EARTH).unwrap();
+    let mut random = random(7);
+    let mut any = || {
+        let place = ball(20.0 + 860.0 * random(), 20.0 + 560.0 * random(), 10.0);
+        moving(place, 800.0 * random() - 400.0, 800.0 * random() - 400.0)
+    };
+    let one = vec![any()];
+    // Many lie in each other.
+    let crowd: Vec<Ball> = (0..500).map(|_| any()).collect();
+    for (world, balls) in [(box_of, one), (unnoticed, crowd)] {
+        let [mut contact, mut exact] = [Solver::Contact, Solver::Exact]
+            .map(|solver| Simulation::new(world, balls.clone(), solver).unwrap());
+        for _ in 0..240 {
+            contact.advance(1.0 / 60.0).unwrap();
+            exact.advance(1.0 / 60.0).unwrap();
+            assert_eq!(contact.balls(), exact.balls(), "{} of them at {} s", balls.len(), exact.time());
+        }
+        assert!(exact.tally().wall_hits > 3 * balls.len() as u64);
+        assert_eq!(contact.tally(), exact.tally());
     }
 }
 

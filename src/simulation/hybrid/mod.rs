@@ -1,13 +1,14 @@
-//! What `contact` does where nothing presses balls together: with balls without gravity, and with few that fly, bounce and slide.
+//! What `contact` does where nothing presses balls together: with balls without gravity, with any that do not notice each other,
+//! and with few that fly, bounce and slide.
 //!
 //! They need no substeps. Their impacts are taken one after the other, as `exact` takes them, which is exact, and costs less
 //! than half where balls are elastic, and down to a twentieth where they are not. Where there are more than can be followed, as
 //! among balls that are wedged in, substeps go on from there, in each of which so much may happen and no more.
 //!
-//! Under gravity that goes for few balls alone. Once some lie on others these would hit each other endlessly: then, too,
-//! substeps go on, from where the next would begin if all had been taken, so that whole numbers of them are over where frames
-//! of a 60th of a second are. (Where impacts are outrun, from there on; the first is shorter.) When nothing but walls has held any
-//! for a while, events take over again.
+//! Under gravity, if they notice each other, that goes for few balls alone. Once some lie on others these would hit each other
+//! endlessly: then, too, substeps go on, from where the next would begin if all had been taken, so that whole numbers of them
+//! are over where frames of a 60th of a second are. (Where impacts are outrun, from there on; the first is shorter.) When nothing
+//! but walls has held any for a while, events take over again.
 
 use super::ball::Ball;
 use super::contact::{Contact, can_rest, is_few, most_substeps};
@@ -54,7 +55,7 @@ enum Way {
 impl Hybrid {
     /// The solver, if it suits these balls, and no number of substeps was asked for.
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
-        let suits = world.pairs == Some(Pairs::Impulse) && balls.len() > 1 && tuning.substeps.is_none();
+        let suits = world.pairs != Some(Pairs::Detect) && !balls.is_empty() && tuning.substeps.is_none();
         if !suits {
             return None;
         }
@@ -109,7 +110,8 @@ fn events(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Option
     if world.gravity.is_none() {
         without_gravity(world, balls, tuning, so_far)
     } else {
-        falling(world, balls, tuning, so_far).filter(|_| !any_lean(balls, tuning.rest_speed))
+        let any_lean = || world.pairs.is_some() && any_lean(balls, tuning.rest_speed);
+        falling(world, balls, tuning, so_far).filter(|_| !any_lean())
     }
 }
 
@@ -135,13 +137,15 @@ fn without_gravity(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) 
 }
 
 /// Events for balls that fall, where impacts have kept pace so far as this says, if they suit them: if they are few, and none
-/// overlap.
+/// overlap, or if they do not notice each other.
 fn falling(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Option<Exact> {
-    if !is_few(balls) || overlap(world, balls) > TOUCH {
+    let notice = world.pairs.is_some();
+    if notice && (!is_few(balls) || overlap(world, balls) > TOUCH) {
         return None;
     }
     let rate = most_substeps(world, balls, tuning);
-    let exact = unjammed(world, balls, tuning)?.while_it_keeps_pace(so_far.in_fall());
+    let pace = if notice { so_far.in_fall() } else { so_far };
+    let exact = unjammed(world, balls, tuning)?.while_it_keeps_pace(pace);
     Some(exact.while_nothing_presses(rate, tuning.rest_speed))
 }
 
@@ -165,9 +169,9 @@ fn unjammed(world: &World, balls: &[Ball], tuning: Tuning) -> Option<Exact> {
     (!free(balls).any(jams)).then_some(exact)
 }
 
-/// The deepest overlap, in radii.
+/// The deepest overlap of balls that notice each other, in radii.
 fn overlap(world: &World, balls: &[Ball]) -> f64 {
-    max_overlap(&mut Grid::new(balls, world.size), balls)
+    world.pairs.map_or(0.0, |_| max_overlap(&mut Grid::new(balls, world.size), balls))
 }
 
 /// Whether so many overlap that they lie in heaps.

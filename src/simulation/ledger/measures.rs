@@ -104,6 +104,8 @@ mod tests {
         for frames in [24.0, 60.0, 240.0] {
             let mut still =
                 Simulation::new(world, vec![Ball::new(DVec2::splat(50.0), 1.0).unwrap()], Solver::Contact)
+                    .unwrap()
+                    .with_substeps(240)
                     .unwrap();
             for _ in 0..3600 * frames as u32 {
                 still.advance(1.0 / frames).unwrap();
