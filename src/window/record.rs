@@ -4,8 +4,8 @@
 //! its frame is encoded; where all are on their way, the frame is left out and counted. Frames carry the time that the
 //! window measures, so a window that stands still, and paints nothing, costs nothing and is seen to stand still.
 //!
-//! A GIF has one size. Where the window takes another, the recording ends: what is cut off, or framed in black, is not
-//! what was seen.
+//! A GIF has one size: that of the first picture that was shown. Where the window takes another later, the recording ends:
+//! what is cut off, or framed in black, is not what was seen.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -35,6 +35,8 @@ pub(super) struct Recorder {
     frames: Option<Sender<Message>>,
     /// Pictures that the thread is done with.
     spare: Receiver<Pixmap>,
+    /// What the recording begins with, until that was shown: one that comes before takes its place.
+    first: Option<Pixmap>,
     /// `None` once it was told what became of the recording.
     thread: Option<JoinHandle<Result<PathBuf, SaveError>>>,
     size: (u32, u32),
@@ -71,7 +73,8 @@ pub(super) struct Recorded {
 }
 
 impl Recorder {
-    /// Begins a recording with what is painted now, in `folder`, which is empty for the current one.
+    /// Begins a recording with what is painted now, in `folder`, which is empty for the current one; or, where something
+    /// else, of another size, too, is added before anything was [shown](Self::shown), with that.
     pub(super) fn start(
         folder: &Path,
         scene: &str,
@@ -80,22 +83,25 @@ impl Recorder {
     ) -> Result<Self, SaveError> {
         let file = NewFile::create(folder, scene, "gif")?;
         let (path, size) = (file.path(), (painted.width(), painted.height()));
-        let animation = Animation::new(file, size.0, size.1)
-            .map_err(|source| SaveError::Animation { path: path.clone(), source })?;
         let (frames, messages) = mpsc::channel();
         let (done, spare) = mpsc::channel();
         let thread = thread::Builder::new().name("recorder".to_owned());
-        let encode = move || match encode(animation, &messages, &done) {
+        let encode = move || match encode(file, &messages, &done) {
             Ok(file) => file.finish(),
             Err(source) => Err(SaveError::Animation { path, source }),
         };
         let thread = thread.spawn(encode).map_err(SaveError::NoThread)?;
-        let (frames, thread) = (Some(frames), Some(thread));
+        let (frames, thread, first) = (Some(frames), Some(thread), Some(painted.to_owned()));
         let (pictures, last, late, left_out, resized) = (0, 0.0, false, 0, false);
-        let mut recorder =
-            Self { frames, spare, thread, size, start: now, pictures, last, late, left_out, resized };
-        recorder.send(0.0, painted);
-        Ok(recorder)
+        Ok(Self { frames, spare, first, thread, size, start: now, pictures, last, late, left_out, resized })
+    }
+
+    /// What was added last was shown: from now on another size is a change of what is recorded.
+    pub(super) fn shown(&mut self) {
+        if let Some(first) = self.first.take() {
+            self.pictures = 1;
+            self.post(0.0, first);
+        }
     }
 
     /// Adds a frame that was painted now, unless it comes sooner after the one before than a GIF may have it, or than
@@ -109,7 +115,13 @@ impl Recorder {
 
     /// Adds the frame that [`add`](Self::add) did not, in the same way.
     pub(super) fn add_again(&mut self, painted: PixmapRef<'_>, now: Instant) -> Option<Instant> {
-        if (painted.width(), painted.height()) != self.size && self.is_recording() {
+        let size = (painted.width(), painted.height());
+        if self.first.is_some() && self.is_recording() {
+            // What was to be seen when the recording was asked for never was: the window may have been resized since.
+            (self.first, self.size, self.start) = (Some(painted.to_owned()), size, now);
+            return None;
+        }
+        if size != self.size && self.is_recording() {
             self.resized = true;
             self.stop(now);
         }
@@ -120,6 +132,7 @@ impl Recorder {
 
     /// Ends the recording, whose file is then finished without anyone waiting for it.
     pub(super) fn stop(&mut self, now: Instant) {
+        self.shown();
         if let Some(frames) = self.frames.take() {
             self.left_out += u64::from(std::mem::take(&mut self.late));
             self.last = self.last.max(self.time(now));
@@ -164,13 +177,18 @@ impl Recorder {
         self.late = picture.is_none();
         let Some(mut picture) = picture else { return false };
         picture.data_mut().copy_from_slice(painted.data());
+        self.post(time, picture);
+        true
+    }
+
+    /// Sends a picture to the thread.
+    fn post(&mut self, time: f64, picture: Pixmap) {
         self.last = time;
         if let Some(frames) = &self.frames
             && frames.send(Message::Frame(time, picture)).is_err()
         {
             self.frames = None;
         }
-        true
     }
 
     /// A picture that is not on its way.
@@ -186,6 +204,7 @@ impl Recorder {
 
 impl Drop for Recorder {
     fn drop(&mut self) {
+        self.shown();
         if let Some(frames) = self.frames.take() {
             let _ = frames.send(Message::End(self.last));
         }
@@ -215,12 +234,19 @@ fn most_pictures((width, height): (u32, u32)) -> usize {
     (PICTURES_BYTES / (4 * width as usize * height as usize)).clamp(FEWEST_PICTURES, MOST_PICTURES)
 }
 
-/// Encodes frames until the recording ends.
+/// Encodes frames, all as large as the first, until the recording ends.
 fn encode(
-    mut animation: Animation<NewFile>,
+    file: NewFile,
     messages: &Receiver<Message>,
     done: &Sender<Pixmap>,
 ) -> Result<NewFile, AnimationError> {
+    let mut messages = messages.iter().peekable();
+    let (width, height) = match messages.peek() {
+        Some(Message::Frame(_, first)) => (first.width(), first.height()),
+        // No recording ends before it began.
+        _ => (1, 1),
+    };
+    let mut animation = Animation::new(file, width, height)?;
     let mut end = 0.0;
     for message in messages {
         match message {
@@ -240,171 +266,4 @@ fn encode(
 }
 
 #[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use tempfile::TempDir;
-
-    use super::*;
-    use crate::paint::animation::tests::decode;
-
-    /// A picture that is other for every `number`.
-    fn picture(number: u32) -> Pixmap {
-        let mut pixmap = Pixmap::new(40, 30).unwrap();
-        let (pixels, _) = pixmap.data_mut().as_chunks_mut();
-        for (index, pixel) in pixels.iter_mut().enumerate() {
-            *pixel = if (number >> (index % 40).min(31)) & 1 == 1 {
-                [0, 255, 212, 255]
-            } else {
-                [26, 26, 26, 255]
-            };
-        }
-        pixmap
-    }
-
-    struct Setting {
-        folder: TempDir,
-        start: Instant,
-    }
-
-    impl Setting {
-        fn new() -> Self {
-            Self { folder: tempfile::tempdir().unwrap(), start: Instant::now() }
-        }
-
-        fn at(&self, milliseconds: u64) -> Instant {
-            self.start + Duration::from_millis(milliseconds)
-        }
-
-        fn record(&self) -> Recorder {
-            Recorder::start(self.folder.path(), "gas", picture(0).as_ref(), self.start).unwrap()
-        }
-
-        fn path(&self, number: u32) -> PathBuf {
-            self.folder.path().join(format!("carom-gas-{number}.gif"))
-        }
-
-        fn seen(&self) -> Vec<(Pixmap, u16)> {
-            decode(&fs::read(self.path(1)).unwrap())
-        }
-    }
-
-    /// Waits, as the window does in its loop, until it is known what became of the recording.
-    fn outcome(recorder: &mut Recorder) -> Result<Recorded, SaveError> {
-        loop {
-            if let Some(outcome) = recorder.poll() {
-                return outcome;
-            }
-            thread::sleep(Duration::from_millis(1));
-        }
-    }
-
-    #[test]
-    fn frames_are_seen_at_the_time_at_which_the_window_showed_them() {
-        let setting = Setting::new();
-        let mut recorder = setting.record();
-        for (time, number) in [(40, 1), (100, 2), (3100, 3)] {
-            recorder.add(picture(number).as_ref(), setting.at(time));
-        }
-        assert!(recorder.is_recording() && recorder.poll().is_none());
-        recorder.stop(setting.at(4000));
-        recorder.add(picture(4).as_ref(), setting.at(5000));
-        let recorded = outcome(&mut recorder).unwrap();
-        assert_eq!(recorded, Recorded { path: setting.path(1), seconds: 4.0, left_out: 0, resized: false });
-        assert!(!recorder.is_recording() && recorder.poll().is_none());
-        let expected = [(picture(0), 4), (picture(1), 6), (picture(2), 300), (picture(3), 90)];
-        assert!(setting.seen() == expected);
-    }
-
-    #[test]
-    fn every_frame_is_in_the_file_or_counted_as_left_out() {
-        let setting = Setting::new();
-        let mut recorder = setting.record();
-        for number in 1..500 {
-            recorder.add(picture(number).as_ref(), setting.at(20 * u64::from(number)));
-        }
-        let recorded = recorder.finish(setting.at(10_000)).unwrap().unwrap();
-        assert_eq!(setting.seen().len() as u64 + recorded.left_out, 500);
-        assert!(setting.seen().len() >= MOST_PICTURES, "as many as there are pictures for find their way");
-    }
-
-    #[test]
-    fn frames_that_come_too_soon_for_a_gif_are_no_loss_and_the_last_of_them_can_come_again() {
-        let setting = Setting::new();
-        let mut recorder = setting.record();
-        for number in 1..=10 {
-            let again = recorder.add(picture(number).as_ref(), setting.at(u64::from(number)));
-            assert_eq!(again, Some(setting.at(u64::from(number) + 20)));
-        }
-        assert_eq!(recorder.add_again(picture(10).as_ref(), setting.at(30)), None);
-        assert_eq!(recorder.finish(setting.at(50)).unwrap().unwrap().left_out, 0);
-        assert!(setting.seen() == [(picture(0), 3), (picture(10), 2)]);
-    }
-
-    #[test]
-    fn a_frame_that_finds_no_picture_is_left_out_unless_it_comes_again_before_the_next() {
-        let setting = Setting::new();
-        let mut recorder = setting.record();
-        // As many as there may be, and none of them comes back.
-        (recorder.pictures, recorder.spare) = (MOST_PICTURES, mpsc::channel().1);
-        assert!(recorder.add(picture(1).as_ref(), setting.at(100)).is_some());
-        assert!(recorder.add_again(picture(1).as_ref(), setting.at(120)).is_some());
-        assert!(recorder.add(picture(2).as_ref(), setting.at(140)).is_some());
-        recorder.pictures -= 1;
-        assert_eq!(recorder.add_again(picture(2).as_ref(), setting.at(160)), None);
-        assert!(recorder.add(picture(3).as_ref(), setting.at(200)).is_some());
-        let recorded = recorder.finish(setting.at(300)).unwrap().unwrap();
-        assert_eq!(recorded.left_out, 2, "the first and the third");
-        assert!(setting.seen() == [(picture(0), 16), (picture(2), 14)]);
-    }
-
-    #[test]
-    fn another_size_of_the_window_ends_the_recording_and_says_so() {
-        let setting = Setting::new();
-        let mut recorder = setting.record();
-        recorder.add(picture(1).as_ref(), setting.at(500));
-        recorder.add(Pixmap::new(41, 30).unwrap().as_ref(), setting.at(1000));
-        recorder.add(picture(2).as_ref(), setting.at(2000));
-        assert!(!recorder.is_recording());
-        let recorded = outcome(&mut recorder).unwrap();
-        assert_eq!((recorded.resized, recorded.seconds), (true, 1.0));
-        assert!(
-            recorded
-                .to_string()
-                .ends_with("carom-gas-1.gif (1.0 s); it ends where the window's size changed")
-        );
-        assert!(setting.seen() == [(picture(0), 50), (picture(1), 50)]);
-    }
-
-    #[test]
-    fn a_recorder_that_is_dropped_finishes_its_file_and_the_next_overwrites_nothing() {
-        let setting = Setting::new();
-        let mut recorder = setting.record();
-        recorder.add(picture(1).as_ref(), setting.at(100));
-        drop(recorder);
-        assert!(setting.seen() == [(picture(0), 10), (picture(1), 2)]);
-        let second = setting.record().finish(setting.at(100)).unwrap().unwrap();
-        assert_eq!(second.path, setting.path(2));
-        assert_eq!(fs::read_dir(setting.folder.path()).unwrap().count(), 2, "no temporary file is left");
-    }
-
-    #[test]
-    fn a_file_that_cannot_be_written_is_told_at_the_start_or_at_the_end() {
-        let setting = Setting::new();
-        let nowhere = setting.folder.path().join("nowhere");
-        let refused = Recorder::start(&nowhere, "gas", picture(0).as_ref(), setting.start).map(drop);
-        assert!(matches!(refused, Err(SaveError::Io { .. })));
-        let recorder = setting.record();
-        fs::remove_dir_all(setting.folder.path()).unwrap();
-        let error = recorder.finish(setting.at(100)).unwrap().unwrap_err();
-        assert!(matches!(&error, SaveError::Io { path, .. } if *path == setting.path(1)), "{error}");
-    }
-
-    #[test]
-    fn pictures_on_their_way_take_64_mebibytes_or_two_pictures() {
-        assert_eq!(most_pictures((1, 1)), MOST_PICTURES);
-        assert_eq!(most_pictures((1280, 720)), MOST_PICTURES);
-        assert_eq!(most_pictures((2560, 1440)), 4);
-        assert_eq!(most_pictures((7680, 4320)), FEWEST_PICTURES);
-    }
-}
+mod tests;

@@ -132,6 +132,31 @@ fn a_recording_is_a_gif_of_what_moved_and_overwrites_nothing() {
     assert!(std::fs::read(kept).unwrap().ends_with(b";"), "a GIF ends so");
 }
 
+/// The size of a recording in the window's folder.
+fn size_of(window: &Window<'_>, name: &str) -> (u16, u16) {
+    let file = std::fs::File::open(window.folder.path().join(name)).unwrap();
+    let decoder = gif::DecodeOptions::new().read_info(file).unwrap();
+    (decoder.width(), decoder.height())
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_window_that_is_resized_in_the_instant_in_which_a_recording_begins_goes_on_with_it() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic"]);
+    // Whether the key comes before the frame that follows the size is chance.
+    for (number, size) in (1..).zip([800, 1000, 700, 900, 600, 800]) {
+        let id = window.id.clone();
+        window.mouse(&["windowsize", &id, &size.to_string(), "500", "key", "v"]);
+        assert!((0..3).all(|_| window.moves()));
+        window.key("v");
+        let name = format!("carom-elastic-{number}.gif");
+        window.wait_title(&format!("saved {name}"));
+        assert!(!window.said().contains("size changed"), "{}", window.said());
+        assert_eq!(size_of(&window, &name), (size, 500));
+    }
+}
+
 #[test]
 #[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
 fn a_folder_that_cannot_be_written_to_is_told_on_screen_and_the_window_goes_on() {

@@ -79,6 +79,11 @@ impl App {
         }
         self.unseen = false;
         let presented = screen.present()?;
+        if presented.again.is_none()
+            && let Some(recorder) = &mut self.recorder
+        {
+            recorder.shown();
+        }
         self.spent("present");
         self.turn.without(presented.upload + presented.present);
         if let Some(wait) = presented.again {
