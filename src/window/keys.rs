@@ -103,8 +103,11 @@ fn choice(key: &Key, modifiers: ModifiersState, repeat: bool) -> Option<Choice> 
         Key::Named(NamedKey::ArrowDown) => Choice::Step(Direction::Down),
         Key::Named(NamedKey::Enter | NamedKey::Space) => Choice::Open,
         Key::Character(text) if matches!(text.as_str(), "m" | "M") => Choice::Close,
-        // Full screen and pictures are for any view; what acts on balls that nobody sees is not.
+        // Full screen, pictures and recordings are for any view; what acts on balls that nobody sees is not.
         Key::Named(NamedKey::F11 | NamedKey::F12) => Choice::Do(action(key, modifiers, repeat)?),
+        Key::Character(text) if matches!(text.as_str(), "v" | "V") => {
+            Choice::Do(action(key, modifiers, repeat)?)
+        }
         _ => return None,
     };
     (!repeat || matches!(choice, Choice::Step(_))).then_some(choice)
@@ -266,6 +269,7 @@ mod tests {
         assert_eq!(held(&Key::Character("m".into())), (Some(Choice::Close), None));
         assert_eq!(held(&Key::Named(NamedKey::Enter)), (Some(Choice::Open), None));
         assert_eq!(held(&Key::Named(NamedKey::F12)), (Some(Choice::Do(Action::SavePicture)), None));
+        assert_eq!(held(&Key::Character("v".into())), (Some(Choice::Do(Action::ToggleRecording)), None));
         for key in [Key::Character("a".into()), Key::Named(NamedKey::Tab)] {
             assert_eq!(held(&key), (None, None), "{key:?}");
         }

@@ -132,6 +132,73 @@ fn a_recording_is_a_gif_of_what_moved_and_overwrites_nothing() {
     assert!(std::fs::read(kept).unwrap().ends_with(b";"), "a GIF ends so");
 }
 
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn the_list_of_scenes_is_recorded_where_it_is_open_and_the_dot_tells_so() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic", "--paused"]);
+    // The red dot in the lower right corner.
+    let dot = |window: &Window<'_>| {
+        let shown = window.screenshot();
+        (670..705).any(|y| (1180..1264).any(|x| shown.at(x, y) == [0xf0, 0x3c, 0x3c]))
+    };
+    let list = |window: &Window<'_>| window.screenshot().at(5, 5) == [0x12; 3];
+    // Begun in the list, or before it was opened; both ended there.
+    for (number, keys) in [(1, ["m", "v"]), (2, ["v", "m"])] {
+        for key in keys {
+            window.key(key);
+        }
+        window.wait("a recording of the list", |window| list(window) && dot(window));
+        window.key("Right");
+        // Small pictures come one by one; the dot's time, below them, goes on.
+        let cards = |window: &Window<'_>| window.screenshot().0[..3 * SCREEN.0 * 660].to_vec();
+        let mut last = cards(&window);
+        window.wait("all cards", |window| {
+            sleep(Duration::from_millis(700));
+            let before = std::mem::replace(&mut last, cards(window));
+            last == before
+        });
+        window.key("v");
+        window.wait_title(&format!("saved carom-elastic-{number}.gif"));
+        window.wait("no dot", |window| !dot(window));
+        let shown = window.still_screenshot();
+        let path = window.folder.path().join(format!("carom-elastic-{number}.gif"));
+        let last = last_picture(&path);
+        // A GIF has few colours.
+        let differs = |&(x, y): &(usize, usize)| {
+            shown
+                .at(x, y)
+                .iter()
+                .zip(&last[4 * (1280 * y + x)..])
+                .any(|(one, other)| one.abs_diff(*other) > 40)
+        };
+        let places = (0..720).flat_map(|y| (0..1280).map(move |x| (x, y)));
+        assert_eq!(places.filter(differs).count(), 0, "what was recorded last is what is seen");
+        window.key("m");
+        window.wait("the scene", |window| window.screenshot().at(5, 5) == BACKGROUND);
+        assert!(!dot(&window));
+    }
+}
+
+/// What the last frame of a recording shows, four bytes a pixel.
+fn last_picture(path: &Path) -> Vec<u8> {
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(std::fs::File::open(path).unwrap()).unwrap();
+    let width = usize::from(decoder.width());
+    let mut shown = vec![0; 4 * width * usize::from(decoder.height())];
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        let [left, top, across] = [frame.left, frame.top, frame.width].map(usize::from);
+        for (row, pixels) in frame.buffer.chunks_exact(4 * across).enumerate() {
+            for (column, pixel) in pixels.chunks_exact(4).enumerate().filter(|(_, pixel)| pixel[3] > 0) {
+                let at = 4 * ((top + row) * width + left + column);
+                shown[at..at + 4].copy_from_slice(pixel);
+            }
+        }
+    }
+    shown
+}
+
 /// The size of a recording in the window's folder.
 fn size_of(window: &Window<'_>, name: &str) -> (u16, u16) {
     let file = std::fs::File::open(window.folder.path().join(name)).unwrap();

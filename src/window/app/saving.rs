@@ -81,7 +81,9 @@ impl App {
                     Ok(recorder) => {
                         self.recorder = Some(recorder);
                         self.recording_since = now;
-                        self.say("recording; V or Esc: end".to_owned());
+                        // There, Escape leaves the list.
+                        let keys = if self.browser.is_some() { "V" } else { "V or Esc" };
+                        self.say(format!("recording; {keys}: end"));
                     }
                     Err(error) => self.complain(format!("no recording: {error}")),
                 }

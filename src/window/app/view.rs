@@ -44,9 +44,13 @@ impl App {
             trails.paint(&mut pixmap);
         }
         if let Some(recorder) = self.recorder.as_mut().filter(|recorder| recorder.is_recording()) {
-            let (kept, told) = overlay.parts();
+            let (kept, mut told) = overlay.parts();
             kept.paint(&mut pixmap, scale);
             self.recorder_again = recorder.add(pixmap.as_ref(), now);
+            if !recorder.is_recording() {
+                // This picture has ended it.
+                told.recording = None;
+            }
             told.paint(&mut pixmap, scale);
         } else {
             overlay.paint(&mut pixmap, scale);
