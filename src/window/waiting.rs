@@ -1,6 +1,7 @@
 //! What was asked for faster than it can be done.
 
 use std::collections::VecDeque;
+use std::path::PathBuf;
 
 use glam::DVec2;
 use winit::event::{ElementState, MouseButton};
@@ -12,10 +13,12 @@ use crate::session::{Change, Command};
 const MOST: usize = 1 << 14;
 
 /// What was asked for. What it is for is known when its turn comes: what comes before may open something, or close it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Input {
     Key(Stroke),
     Button(Press),
+    /// A file was dropped on the window.
+    File(PathBuf),
     /// The wheel was turned by so many notches.
     Wheel(f64),
     /// What is held, or about to be thrown, is to be dropped.
@@ -79,7 +82,7 @@ impl Waiting {
 fn action(input: &Input) -> Option<Action> {
     match input {
         Input::Key(stroke) => stroke.action,
-        Input::Button(_) | Input::Wheel(_) | Input::Drop => None,
+        Input::Button(_) | Input::File(_) | Input::Wheel(_) | Input::Drop => None,
     }
 }
 

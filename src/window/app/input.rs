@@ -1,6 +1,6 @@
 //! Keys, the mouse and files, and what they do.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
@@ -94,6 +94,7 @@ impl App {
             Input::Key(_) => {}
             Input::Button(press) if in_list => self.press_card(press),
             Input::Button(press) => self.press_ball(press),
+            Input::File(path) => self.open_file(&path),
             Input::Wheel(notches) => self.turn(notches),
             Input::Drop => self.hands.drop_all(),
         }
@@ -260,10 +261,21 @@ impl App {
         }
     }
 
+    /// A file was dropped on the window.
+    pub(super) fn drop_file(&mut self, path: PathBuf) {
+        self.ask(Input::File(path), false);
+    }
+
     /// Plays the scene file at this path.
-    pub(super) fn open_file(&mut self, path: &Path) {
+    fn open_file(&mut self, path: &Path) {
         match Scene::load(&path.to_string_lossy()) {
-            Ok(scene) => self.open_scene(&scene),
+            Ok(scene) => {
+                if self.browser.is_some() {
+                    // As where one of its scenes is chosen.
+                    self.close_browser();
+                }
+                self.open_scene(&scene);
+            }
             Err(error) => self.complain(error.to_string()),
         }
     }

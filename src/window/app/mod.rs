@@ -164,7 +164,7 @@ impl ApplicationHandler for App {
             }
             WindowEvent::MouseInput { state, button, .. } => self.press(button, state),
             WindowEvent::MouseWheel { delta, .. } => self.turn_wheel(delta),
-            WindowEvent::DroppedFile(path) => self.open_file(&path),
+            WindowEvent::DroppedFile(path) => self.drop_file(path),
             WindowEvent::RedrawRequested => {
                 if let Err(error) = self.frame(Present::Now) {
                     self.fail(event_loop, error);

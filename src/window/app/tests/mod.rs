@@ -1,11 +1,12 @@
 //! Laws of the application that need no screen; here, what they are shown on.
 
+mod dropped;
 mod held_keys;
 mod mouse;
 mod seen;
 mod watched;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use winit::dpi::PhysicalPosition;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta};
