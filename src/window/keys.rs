@@ -171,6 +171,7 @@ fn character(text: &str, shift: bool) -> Option<Action> {
 }
 
 /// Keys that belong together, under a name: each key, and what it does.
+#[derive(Debug)]
 pub(super) struct Group {
     pub(super) name: &'static str,
     pub(super) keys: &'static [(&'static str, &'static str)],

@@ -106,6 +106,49 @@ fn with_everything_on_a_paused_window_leaves_the_processor_alone() {
     window.wait_idle();
 }
 
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn in_a_small_window_a_message_stands_clear_of_the_figures() {
+    let display = Display::start();
+    let mut window = display.open_talking(&["gravity", "--paused", "--size", "200x150"], "1");
+    let corner = |window: &Window<'_>| window.screenshot().at(30, 13);
+    let without = corner(&window);
+    window.key("d");
+    window.wait("figures", |window| corner(window) != without);
+    // Below them is the place of messages: the hint, and then none.
+    let low = 115;
+    let rows = |shown: &Screenshot, rows: Range<usize>| {
+        rows.flat_map(|y| (0..200).map(move |x| (x, y))).map(|(x, y)| shown.at(x, y)).collect::<Vec<_>>()
+    };
+    let said = |shown: &Screenshot| count(shown, INK, 0..200, low..150) > 5;
+    window.wait("no hint", |window| !said(&window.screenshot()));
+    let before = window.still_screenshot();
+    window.key("bracketleft");
+    window.wait("the message", |window| said(&window.screenshot()));
+    assert!(rows(&window.screenshot(), 0..low) == rows(&before, 0..low), "it lies over the figures");
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn in_a_small_window_the_help_comes_page_by_page_and_then_goes() {
+    let display = Display::start();
+    let mut window = display.open(&["gravity", "--paused", "--size", "320x240"]);
+    let without = window.still_screenshot();
+    let mut seen = vec![without.0.clone()];
+    for _ in 0..4 {
+        window.key("h");
+        window.wait("another page", |window| !seen.contains(&window.screenshot().0));
+        seen.push(window.still_screenshot().0);
+    }
+    window.key("h");
+    window.wait("the scene", |window| window.screenshot().0 == without.0);
+    // It begins with the first page again.
+    window.key("F1");
+    window.wait("the first page", |window| window.screenshot().0 == seen[1]);
+    window.key("Escape");
+    window.wait("the scene", |window| window.screenshot().0 == without.0);
+}
+
 /// Until the list of scenes lies over the corner of the picture.
 fn wait_for_cards(window: &mut Window<'_>) {
     window.wait("the cards", |window| window.screenshot().at(5, 5) == [0x12; 3]);

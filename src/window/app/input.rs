@@ -11,7 +11,7 @@ use winit::keyboard::{Key, ModifiersState, NamedKey};
 use winit::window::Fullscreen;
 
 use super::super::keys::{self, Action, Choice, Stroke};
-use super::super::overlay::{Browser, Gauge};
+use super::super::overlay::{Browser, Gauge, help_pages};
 use super::super::record::Recorder;
 use super::super::waiting::{Input, Press};
 use super::super::watch::Watch;
@@ -150,7 +150,10 @@ impl App {
                 self.rewinding = Rewinding::Back;
             }
             Action::ToggleHelp => {
-                self.help = !self.help;
+                let pages = self.room().map_or(1, help_pages);
+                let more = self.help && self.help_page + 1 < pages;
+                self.help_page = if more { self.help_page + 1 } else { 0 };
+                self.help = more || !self.help;
                 self.messages.end_hint();
                 // The release would act behind it.
                 self.hands.drop_all();

@@ -79,6 +79,8 @@ pub(super) struct App {
     /// Whether the key is down that makes it.
     rewind_held: bool,
     help: bool,
+    /// Which of its pages, where there are many.
+    help_page: usize,
     /// The list of scenes, while it is open.
     browser: Option<Browser>,
     /// When a click there last chose a scene.
@@ -253,6 +255,7 @@ impl App {
             rewinding: Rewinding::No,
             rewind_held: false,
             help: false,
+            help_page: 0,
             browser: None,
             clicked: None,
             pointer: DVec2::ZERO,

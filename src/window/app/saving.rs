@@ -43,7 +43,7 @@ impl App {
             trails.follow(simulation, room.scale, size);
             trails.paint(target);
         }
-        overlay.parts().0.paint(target, room.scale);
+        overlay.paint_kept(target, room.scale);
         Some(picture)
     }
 

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use glam::DVec2;
 
 use super::super::hands::Gesture;
-use super::super::overlay::{Comparison, Frame, Hand, Overlay, Room, Sheet};
+use super::super::overlay::{Comparison, Frame, Hand, Overlay, Panel, Room, Sheet};
 use super::super::words;
 use super::{App, Rewinding};
 
@@ -24,7 +24,7 @@ impl App {
         let Some((_, screen)) = &mut self.screen else { return false };
         let Some((mut pixmap, kept)) = screen.pixmap() else { return false };
         let (simulation, painter) = (self.session.simulation(), &mut self.painter);
-        let (overlay, _) = &self.overlay;
+        let (overlay, _) = &mut self.overlay;
         if !kept {
             painter.forget();
         }
@@ -44,14 +44,13 @@ impl App {
             trails.paint(&mut pixmap);
         }
         if let Some(recorder) = self.recorder.as_mut().filter(|recorder| recorder.is_recording()) {
-            let (kept, mut told) = overlay.parts();
-            kept.paint(&mut pixmap, scale);
+            overlay.paint_kept(&mut pixmap, scale);
             self.recorder_again = recorder.add(pixmap.as_ref(), now);
             if !recorder.is_recording() {
                 // This picture has ended it.
-                told.recording = None;
+                overlay.recording = None;
             }
-            told.paint(&mut pixmap, scale);
+            overlay.paint_told(&mut pixmap, scale);
         } else {
             overlay.paint(&mut pixmap, scale);
         }
@@ -68,22 +67,10 @@ impl App {
 
     /// What is to be painted over the balls `now`, `measured` seconds after the frame before.
     pub(super) fn overlay(&mut self, room: Room, measured: f64, now: Instant) -> Overlay {
-        let figures = self.gauge.as_mut().and_then(|gauge| {
-            gauge.feed(&Frame {
-                scene: self.session.name(),
-                simulation: self.session.simulation(),
-                time_scale: self.session.time_scale(),
-                paused: self.session.is_paused(),
-                measured,
-                given: self.session.given_energy(),
-                split: self.split,
-            });
-            gauge.panel(room)
-        });
         let session = &self.session;
         let behind = session.is_behind() && !session.is_paused() && !self.options.quiet;
         let sheet = if self.help {
-            Some(Sheet::Help)
+            Some(Sheet::Help(self.help_page))
         } else {
             behind.then(|| Sheet::Behind(session.simulation().solver()))
         };
@@ -101,19 +88,35 @@ impl App {
         // In the past the world is as large as it was then.
         let world = simulation.world();
         let inside = (world.size() + 0.5).cmplt(room.picture / room.scale).any();
-        Overlay {
+        let mut overlay = Overlay {
             edge: (inside && world.walls().is_some()).then(|| world.size()),
             comparison: compared,
             hand: self.hand(now),
             gravity: gravity.then(|| session.simulation().world().gravity().unwrap_or_default()),
-            figures,
+            figures: None,
             past: words::past(session, self.rewinding != Rewinding::No).filter(|_| !self.options.quiet),
             sheet,
             page,
             recording: recorder.map(|_| now.saturating_duration_since(self.recording_since).as_secs()),
             message: self.messages.shown(now),
-            corners: gravity || recorder.is_some(),
-        }
+        };
+        overlay.figures = self.figures(overlay.room_for_figures(room), measured);
+        overlay
+    }
+
+    /// The figures after a frame that came `measured` seconds after the one before, where they are shown and have room.
+    fn figures(&mut self, room: Room, measured: f64) -> Option<Panel> {
+        let gauge = self.gauge.as_mut()?;
+        gauge.feed(&Frame {
+            scene: self.session.name(),
+            simulation: self.session.simulation(),
+            time_scale: self.session.time_scale(),
+            paused: self.session.is_paused(),
+            measured,
+            given: self.session.given_energy(),
+            split: self.split,
+        });
+        gauge.panel(room)
     }
 
     /// When what is painted over the balls next changes by itself.

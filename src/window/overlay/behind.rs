@@ -7,7 +7,7 @@ use crate::paint::text::{BASELINE, LINE, text, width, wrap};
 use crate::simulation::Solver;
 
 use super::TEXT_SIZE;
-use super::sheet::{AMBER, INK, extent, rectangle, sheet};
+use super::sheet::{AMBER, Area, INK, rectangle, sheet};
 
 /// The height of the amber line below the strip, in text sizes.
 const EDGE: f64 = 0.15;
@@ -15,28 +15,67 @@ const EDGE: f64 = 0.15;
 const MARGIN: f64 = 0.7;
 /// The warning's lines break at the window's edge, but into no fewer characters than this: from there the text shrinks.
 const LINE_CHARACTERS: usize = 24;
+/// The text's sizes that are tried, px, before less is said; the strip takes no more than this part of the picture's height.
+const SIZES: [f64; 3] = [TEXT_SIZE, 12.0, 10.0];
+const MOST_HIDDEN: f64 = 0.35;
+/// What is said at least.
+const SHORT: &str = "Time runs slower.";
 
-/// Paints a strip along the upper edge that says that time runs slower, why, and what to do about it. Returns
-/// how high the strip is, px.
-pub(super) fn behind(pixmap: &mut PixmapMut<'_>, solver: Solver, scale: f64) -> f64 {
-    let solvers: Vec<_> = Solver::ALL.iter().map(|solver| solver.name()).collect();
-    let picture = extent(pixmap);
-    let wanted = TEXT_SIZE * scale;
-    let room = ((picture.x / wanted - 2.0 * MARGIN) / width("m", 1.0)).max(0.0) as usize;
-    let lines = wrap(&behind_text(solver.name(), &solvers), room.max(LINE_CHARACTERS));
-    let longest = lines.iter().map(|line| width(line, 1.0)).fold(0.0, f64::max);
-    // In units of the text's size; at most half of the picture is covered.
-    let needed = DVec2::new(longest, lines.len() as f64 * LINE) + 2.0 * MARGIN;
-    let size = wanted.min((picture / (needed * DVec2::new(1.0, 2.0))).min_element());
-    let height = (needed.y * size).round();
-    sheet(pixmap, DVec2::ZERO, DVec2::new(picture.x, height));
-    let edge = (EDGE * size).round().max(1.0);
-    rectangle(pixmap, DVec2::new(0.0, height), DVec2::new(picture.x, edge), AMBER);
-    for (index, line) in lines.iter().enumerate() {
-        let baseline = MARGIN + index as f64 * LINE + BASELINE;
-        text(pixmap, DVec2::new(MARGIN, baseline) * size, size, INK, line);
+/// A strip along the upper edge that says that time runs slower, why, and what to do about it; in a small picture less.
+#[derive(Debug)]
+pub(super) struct Warning {
+    lines: Vec<String>,
+    /// The size of the text, px.
+    size: f64,
+    /// The strip without the line below it, px.
+    extent: DVec2,
+}
+
+impl Warning {
+    pub(super) fn new(picture: DVec2, solver: Solver, scale: f64) -> Self {
+        let solvers: Vec<_> = Solver::ALL.iter().map(|solver| solver.name()).collect();
+        let [why, what] = behind_text(solver.name(), &solvers);
+        let hint = what.split(',').next().unwrap_or_default().to_owned();
+        let texts = [vec![why, what], vec![SHORT.to_owned(), hint]];
+        let tries = texts.iter().flat_map(|text| SIZES.map(|size| (text, size * scale)));
+        let fitting =
+            tries.map(|(text, size)| (Self::of(text, picture, size), size)).find(|(warning, size)| {
+                warning.size >= *size && warning.area().extent.y <= MOST_HIDDEN * picture.y
+            });
+        fitting
+            .map_or_else(|| Self::of(&[SHORT.to_owned()], picture, SIZES[0] * scale), |(warning, _)| warning)
     }
-    height + edge
+
+    /// These paragraphs in text of the size `wanted`, px, or smaller.
+    fn of(paragraphs: &[String], picture: DVec2, wanted: f64) -> Self {
+        let room = ((picture.x / wanted - 2.0 * MARGIN) / width("m", 1.0)).max(0.0) as usize;
+        let lines = wrap(paragraphs, room.max(LINE_CHARACTERS));
+        let longest = lines.iter().map(|line| width(line, 1.0)).fold(0.0, f64::max);
+        // In units of the text's size; at most half of the picture is covered.
+        let needed = DVec2::new(longest, lines.len() as f64 * LINE) + 2.0 * MARGIN;
+        let size = wanted.min((picture / (needed * DVec2::new(1.0, 2.0))).min_element());
+        Self { lines, size, extent: DVec2::new(picture.x, (needed.y * size).round()) }
+    }
+
+    /// The amber line's height, px.
+    fn edge(&self) -> f64 {
+        (EDGE * self.size).round().max(1.0)
+    }
+
+    /// Where it is.
+    pub(super) fn area(&self) -> Area {
+        Area { corner: DVec2::ZERO, extent: self.extent + DVec2::new(0.0, self.edge()) }
+    }
+
+    pub(super) fn paint(&self, pixmap: &mut PixmapMut<'_>) {
+        let (size, extent) = (self.size, self.extent);
+        sheet(pixmap, DVec2::ZERO, extent);
+        rectangle(pixmap, DVec2::new(0.0, extent.y), DVec2::new(extent.x, self.edge()), AMBER);
+        for (index, line) in self.lines.iter().enumerate() {
+            let baseline = MARGIN + index as f64 * LINE + BASELINE;
+            text(pixmap, DVec2::new(MARGIN, baseline) * size, size, INK, line);
+        }
+    }
 }
 
 /// What the warning says: two sentences, for the solver in use and the names of all there are.
@@ -79,7 +118,8 @@ mod tests {
     /// Where the warning's text reaches, px from the left, and how high its strip is, in a picture of this size.
     fn reach(width: u32, height: u32, scale: f64) -> (usize, usize) {
         let mut pixmap = Pixmap::new(width, height).unwrap();
-        behind(&mut pixmap.as_mut(), Solver::Exact, scale);
+        let picture = DVec2::new(width.into(), height.into());
+        Warning::new(picture, Solver::Exact, scale).paint(&mut pixmap.as_mut());
         let row = |y: usize| &pixmap.pixels()[y * width as usize..(y + 1) * width as usize];
         let strip = (0..height as usize).filter(|&y| row(y)[0].alpha() > 0).count();
         let light = |pixel: &tiny_skia::PremultipliedColorU8| pixel.blue() > 0x60;

@@ -11,7 +11,7 @@ use crate::paint::text::{BASELINE, LINE, text, width};
 use crate::simulation::Simulation;
 
 use super::TEXT_SIZE;
-use super::sheet::{INK, QUIET, Rounded, extent};
+use super::sheet::{Area, INK, QUIET};
 
 /// The true places: lighter than a ball, and warm where it is cold.
 const TRUE: Colour = Colour(0xff, 0xd0, 0x6a);
@@ -23,8 +23,17 @@ const VISIBLE: f64 = 1.0;
 const PLOT: DVec2 = DVec2::new(300.0, 190.0);
 /// The plot's distance from the picture's edges, px.
 const MARGIN: f64 = 10.0;
-/// In a picture less than so many times as wide and as high as the plot, the plot shrinks.
+/// In a picture less than so many times as wide and as high as the plot, the plot shrinks ...
 const PLOT_PART: DVec2 = DVec2::new(2.0, 2.2);
+/// ... but to no less than this part, at which one can read it, ...
+const LEAST_PLOT: f64 = 0.58;
+/// ... as long as that hides no more than this part of the picture's width and height. Elsewhere the error is said alone,
+const MOST_HIDDEN: f64 = 0.6;
+/// in text of this size, px, with room for so many characters.
+const VALUE_SIZE: f64 = 9.0;
+const VALUE_CHARACTERS: f64 = 17.0;
+/// The plot's text, px.
+const PLOT_TEXT: f64 = 0.8 * TEXT_SIZE;
 /// The decades of the error that are shown at least, px: from rounding to the size of a window.
 const DECADES: (i32, i32) = (-12, 3);
 /// One in so many decades has a label.
@@ -60,33 +69,26 @@ impl Comparison {
         }
     }
 
-    /// The lower left corner of the plot in such a picture.
-    pub(super) fn lower_left(picture: DVec2, top: f64, scale: f64) -> DVec2 {
-        let scale = plot_scale(picture, scale);
-        plot_corner(picture, top, scale) + DVec2::new(0.0, PLOT.y * scale)
-    }
-
-    /// Paints the plot of the error into the upper right corner, `top` pixels below the edge.
-    pub(super) fn paint_plot(&self, pixmap: &mut PixmapMut<'_>, top: f64, scale: f64) {
+    /// Paints the plot of the error.
+    pub(super) fn paint_plot(&self, pixmap: &mut PixmapMut<'_>, plot: &Plot) {
         let Some(&(now, error)) = self.errors.last() else { return };
-        let picture = extent(pixmap);
-        let scale = plot_scale(picture, scale);
-        let (size, extent) = (0.8 * TEXT_SIZE * scale, PLOT * scale);
-        let corner = plot_corner(picture, top, scale);
-        Rounded { corner, extent, radius: 0.5 * size }.sheet(pixmap, 1.0);
-        if size < 4.0 {
-            return;
-        }
+        let Plot { area, size, curve } = *plot;
+        let Area { corner, extent } = area;
+        area.rounded(0.5 * size).sheet(pixmap, 1.0);
         let title_at = corner + DVec2::new(size, 0.6 * size + BASELINE * size);
         text(pixmap, title_at, size, INK, "error");
         let value = in_words(error);
         let right = corner.x + extent.x - size - width(&value, size);
         text(pixmap, DVec2::new(right, title_at.y), size, TRUE, &value);
+        if !curve {
+            return;
+        }
 
         let label = width("10⁻¹²", size) + 1.3 * size;
         let low = corner + DVec2::new(label, (1.6 + LINE) * size);
         let high = corner + extent - DVec2::new(size, 0.8 * size + LINE * size);
         let axes = Axes { low, high, span: span(now) };
+        let scale = size / PLOT_TEXT;
         axes.paint(pixmap, size, scale);
         let pen = Pen { colour: TRUE, opacity: 1.0, width: 1.5 * scale };
         let mut points = self.errors.iter().map(|&(time, error)| axes.place(time, error));
@@ -102,15 +104,47 @@ impl Comparison {
     }
 }
 
-/// As large as the scale says, but not so large that the plot hides what it is about.
-fn plot_scale(picture: DVec2, scale: f64) -> f64 {
-    scale.min((picture / PLOT_PART / PLOT).min_element())
+/// How large it is where the error is said alone, px.
+fn value_extent(scale: f64) -> DVec2 {
+    DVec2::new(width("m", 1.0) * VALUE_CHARACTERS + 2.0, LINE + 1.2) * VALUE_SIZE * scale
 }
 
-/// The plot's upper left corner, where it has this scale.
-fn plot_corner(picture: DVec2, top: f64, scale: f64) -> DVec2 {
-    let margin = MARGIN * scale;
-    DVec2::new(picture.x - PLOT.x * scale - margin, top + margin).round()
+/// Where the plot is, and how much of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Plot {
+    pub(super) area: Area,
+    /// The size of its text, px.
+    size: f64,
+    /// Whether there is more than what the error is now.
+    curve: bool,
+}
+
+impl Plot {
+    /// The width that is to be left free for the least of it, px.
+    pub(super) fn least_width(scale: f64) -> f64 {
+        value_extent(scale).x + MARGIN * scale
+    }
+
+    /// In the upper right corner of what is left free of a picture of this size, none where that is too small.
+    ///
+    /// As large as the scale says, but not so large that it hides what it is about.
+    pub(super) fn new(picture: DVec2, free: Area, scale: f64) -> Option<Self> {
+        let room = |margin: f64| free.extent - 2.0 * margin;
+        let wished = scale.min((picture / PLOT_PART / PLOT).min_element());
+        let least = LEAST_PLOT * scale;
+        let fits = (room(MARGIN * wished) / PLOT).min_element().min(wished);
+        let seen_beside = (PLOT * least).cmple(picture * MOST_HIDDEN).all();
+        let part = if fits < least && seen_beside { least } else { fits };
+        let (size, extent, margin, curve) = if part >= least && (PLOT * part).cmple(room(MARGIN * part)).all()
+        {
+            (PLOT_TEXT * part, PLOT * part, MARGIN * part, true)
+        } else {
+            (VALUE_SIZE * scale, value_extent(scale), MARGIN * scale / 2.0, false)
+        };
+        let corner = free.corner + DVec2::new(free.extent.x - extent.x - margin, margin);
+        let fits = extent.cmple(room(margin)).all();
+        fits.then_some(Self { area: Area { corner: corner.round(), extent }, size, curve })
+    }
 }
 
 /// Where times and errors are in the plot.
@@ -245,7 +279,30 @@ mod tests {
         for (width, height) in [(1, 1), (40, 3000), (400, 300), (4000, 40)] {
             let mut pixmap = Pixmap::new(width, height).unwrap();
             comparison.paint_places(&mut pixmap.as_mut(), 2.0);
-            comparison.paint_plot(&mut pixmap.as_mut(), 0.0, 2.0);
+            let picture = DVec2::new(width.into(), height.into());
+            for extent in [picture, DVec2::splat(1.0)] {
+                let area = Area { corner: DVec2::ZERO, extent };
+                for curve in [false, true] {
+                    comparison.paint_plot(&mut pixmap.as_mut(), &Plot { area, size: 24.0, curve });
+                }
+            }
         }
+    }
+
+    #[test]
+    fn the_plot_shrinks_and_then_says_no_more_than_the_error_and_then_nothing() {
+        let plot = |width: f64, height: f64| {
+            let picture = DVec2::new(width, height);
+            Plot::new(picture, Area { corner: DVec2::ZERO, extent: picture }, 1.0)
+        };
+        let full = plot(1280.0, 720.0).unwrap();
+        assert_eq!((full.area.corner, full.area.extent), (DVec2::new(970.0, 10.0), PLOT));
+        for (width, height, curve) in
+            [(640.0, 480.0, true), (320.0, 240.0, true), (200.0, 150.0, false), (1280.0, 100.0, false)]
+        {
+            let plot = plot(width, height).unwrap();
+            assert!(plot.curve == curve && plot.size >= LEAST_PLOT * PLOT_TEXT, "{width}x{height}: {plot:?}");
+        }
+        assert!(plot(100.0, 80.0).is_none() && plot(400.0, 20.0).is_none());
     }
 }

@@ -8,6 +8,7 @@ mod figures;
 mod hand;
 mod help;
 mod notes;
+mod plan;
 mod sheet;
 
 use glam::DVec2;
@@ -20,7 +21,9 @@ pub(super) use browser::{Browser, Direction, Page};
 pub(super) use compare::Comparison;
 pub(super) use figures::{Frame, Gauge, Panel, Room};
 pub(super) use hand::Hand;
-use notes::Gap;
+use help::Help;
+use notes::Measures;
+use plan::Plan;
 
 /// Size of the text on sheets, px.
 const TEXT_SIZE: f64 = 15.0;
@@ -46,15 +49,13 @@ pub(super) struct Overlay {
     /// How long a recording has run, s.
     pub(super) recording: Option<u64>,
     pub(super) message: Option<Message>,
-    /// Whether something stands in the lower corners that the message is to keep out of.
-    pub(super) corners: bool,
 }
 
 /// A sheet over the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Sheet {
-    /// Every key and what it does.
-    Help,
+    /// This page of every key and what it does.
+    Help(usize),
     /// Time runs slower than it should, with this solver.
     Behind(Solver),
 }
@@ -64,78 +65,86 @@ impl Overlay {
         *self == Self::default()
     }
 
-    /// What of it belongs into a picture that is saved or recorded, and what is for who sits before the window.
-    pub(super) fn parts(&self) -> (Self, Self) {
-        let told = Self {
-            hand: self.hand.clone(),
-            recording: self.recording,
-            message: self.message.clone(),
-            // Also where that is in the other part.
-            corners: self.corners,
-            ..Self::default()
-        };
-        (Self { hand: None, recording: None, message: None, ..self.clone() }, told)
-    }
-
-    /// What the figures and the plot leave free at the upper edge, `top` pixels below it.
-    fn gap(&self, pixmap: &PixmapMut<'_>, top: f64, scale: f64) -> Gap {
-        let picture = sheet::extent(pixmap);
-        let mut gap = Gap { top, left: 0.0, right: picture.x, bottom: top };
-        if self.sheet != Some(Sheet::Help) {
-            if let Some(figures) = &self.figures {
-                gap.left = figures.right(scale);
-            }
-            if self.comparison.is_some() {
-                DVec2 { x: gap.right, y: gap.bottom } = Comparison::lower_left(picture, top, scale);
-            }
-        }
-        gap
-    }
-
     /// Paints all of it on a picture with `scale` pixels per px of the world.
     pub(super) fn paint(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
+        let plan = self.plan(pixmap, scale);
+        self.paint_world(pixmap, scale);
+        self.paint_hand(pixmap, scale);
+        self.paint_sheets(pixmap, &plan, scale);
+        self.paint_notes(pixmap, &plan, scale);
+    }
+
+    /// Paints what belongs into a picture that is saved or recorded.
+    pub(super) fn paint_kept(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
+        let plan = self.plan(pixmap, scale);
+        self.paint_world(pixmap, scale);
+        self.paint_sheets(pixmap, &plan, scale);
+    }
+
+    /// Paints the rest, which is for who sits before the window.
+    pub(super) fn paint_told(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
+        let plan = self.plan(pixmap, scale);
+        self.paint_hand(pixmap, scale);
+        self.paint_notes(pixmap, &plan, scale);
+    }
+
+    fn plan(&self, pixmap: &PixmapMut<'_>, scale: f64) -> Plan {
+        Plan::new(self, Room { picture: sheet::extent(pixmap), scale })
+    }
+
+    /// Paints what belongs to places in the world.
+    fn paint_world(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
         if let Some(size) = self.edge {
             edge::edge(pixmap, size, scale);
         }
         if let Some(comparison) = &self.comparison {
             comparison.paint_places(pixmap, scale);
         }
+    }
+
+    fn paint_hand(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
         if let Some(hand) = &self.hand {
             hand.paint(pixmap, scale);
         }
-        // What stands at the upper edge makes way for the warning.
-        let top = match self.sheet {
-            Some(Sheet::Behind(solver)) => behind::behind(pixmap, solver, scale),
-            _ => 0.0,
-        };
-        if let Some(gravity) = self.gravity {
-            notes::gravity(pixmap, gravity, scale);
+    }
+
+    fn paint_sheets(&self, pixmap: &mut PixmapMut<'_>, plan: &Plan, scale: f64) {
+        if let Some(warning) = &plan.warning {
+            warning.paint(pixmap);
         }
-        // The help stands where these would look out from behind it.
-        if self.sheet != Some(Sheet::Help) {
-            if let Some(comparison) = &self.comparison {
-                comparison.paint_plot(pixmap, top, scale);
-            }
-            if let Some(figures) = &self.figures {
-                figures.paint(pixmap, top, scale);
-            }
+        if let (Some(gravity), Some(dial)) = (self.gravity, plan.dial) {
+            notes::gravity(pixmap, dial, gravity, scale);
         }
-        if let Some(past) = &self.past {
-            notes::past(pixmap, past, self.gap(pixmap, top, scale), scale);
+        if let (Some(comparison), Some(plot)) = (&self.comparison, &plan.plot) {
+            comparison.paint_plot(pixmap, plot);
+        }
+        if let (Some(figures), Some(area)) = (&self.figures, &plan.figures) {
+            figures.paint(pixmap, area);
+        }
+        if let Some(past) = &plan.past {
+            past.paint_past(pixmap, scale);
         }
         if let Some(page) = &self.page {
             page.paint(pixmap);
         }
-        if let Some(seconds) = self.recording {
-            notes::recording(pixmap, seconds, scale);
-        }
-        if self.sheet == Some(Sheet::Help) {
-            help::help(pixmap, scale);
-        }
-        if let Some(message) = &self.message {
-            notes::message(pixmap, message, self.corners, scale);
+        if let (Some(help), Some(Sheet::Help(page))) = (&plan.help, self.sheet) {
+            help.paint(pixmap, page);
         }
     }
+
+    fn paint_notes(&self, pixmap: &mut PixmapMut<'_>, plan: &Plan, scale: f64) {
+        if let Some(recording) = &plan.recording {
+            recording.paint_recording(pixmap, scale);
+        }
+        if let (Some(message), Some(note)) = (&self.message, &plan.message) {
+            note.paint_message(pixmap, message, scale);
+        }
+    }
+}
+
+/// How many pages the help has in this room.
+pub(super) fn help_pages(room: Room) -> usize {
+    Help::new(room.picture, Measures::new(room.picture, room.scale).low(), room.scale).pages()
 }
 
 #[cfg(test)]
@@ -144,6 +153,8 @@ mod tests {
 
     use super::super::messages::Tone;
     use super::*;
+    use crate::scene::Scene;
+    use crate::simulation::Simulation;
 
     #[test]
     fn overlays_paint_on_any_size() {
@@ -158,7 +169,8 @@ mod tests {
         ];
         let text = "a long message that has to be broken into lines ".repeat(9);
         for (width, height) in [(1, 1), (40, 3000), (1280, 720), (4000, 40)] {
-            for (hand, sheet) in hands.iter().zip([Sheet::Help, Sheet::Behind(Solver::Exact)].iter().cycle())
+            for (hand, sheet) in
+                hands.iter().zip([Sheet::Help(0), Sheet::Behind(Solver::Exact)].iter().cycle())
             {
                 let mut pixmap = Pixmap::new(width, height).unwrap();
                 let overlay = Overlay {
@@ -171,6 +183,112 @@ mod tests {
                     ..Overlay::default()
                 };
                 overlay.paint(&mut pixmap.as_mut(), 2.0);
+            }
+        }
+    }
+
+    fn simulation() -> Simulation {
+        Scene::load("gravity").unwrap().build().unwrap()
+    }
+
+    /// What figures are taken from.
+    fn gauge(simulation: &Simulation) -> Gauge {
+        let mut gauge = Gauge::default();
+        gauge.feed(&Frame {
+            scene: "gravity",
+            simulation,
+            time_scale: 1.0,
+            paused: false,
+            measured: 0.0,
+            given: 1.0,
+            split: [std::time::Duration::ZERO; 3],
+        });
+        gauge
+    }
+
+    /// Some overlay: each bit of `which` is for something that may be seen over the balls, or not.
+    fn some(which: u32, room: Room, simulation: &Simulation, gauge: &mut Gauge) -> Overlay {
+        let has = |bit: u32| which >> bit & 1 == 1;
+        let sheet = match which >> 6 & 3 {
+            1 => Some(Sheet::Help(0)),
+            2 => Some(Sheet::Behind(Solver::Exact)),
+            _ => None,
+        };
+        let text = if has(8) { "a message " } else { "a long message that has to be broken into lines " };
+        let message = Message { text: text.repeat(1 + which as usize % 7), tone: Tone::Wrong, opacity: 1.0 };
+        let mut overlay = Overlay {
+            comparison: has(0).then(|| Comparison::new(simulation, simulation, &[(1.0, 1.0)])),
+            gravity: has(1).then_some(DVec2::new(0.0, 980.0)),
+            past: has(2).then(|| "looking for the next impact … · Esc: stop".to_owned()),
+            recording: has(3).then_some(75),
+            message: has(4).then_some(message),
+            sheet,
+            ..Overlay::default()
+        };
+        if has(5) {
+            overlay.figures = gauge.panel(overlay.room_for_figures(room));
+        }
+        overlay
+    }
+
+    const SIZES: [(f64, f64); 8] = [
+        (200.0, 150.0),
+        (320.0, 240.0),
+        (400.0, 300.0),
+        (640.0, 480.0),
+        (1280.0, 720.0),
+        (160.0, 600.0),
+        (900.0, 130.0),
+        (60.0, 40.0),
+    ];
+
+    #[test]
+    fn nothing_lies_over_anything_else_or_is_cut_off() {
+        let simulation = simulation();
+        let gauge = &mut gauge(&simulation);
+        for ((width, height), &scale) in SIZES.into_iter().zip([1.0, 1.5].iter().cycle()) {
+            let room = Room { picture: DVec2::new(width, height) * scale, scale };
+            for which in 0..1 << 9 {
+                let plan = Plan::new(&some(which, room, &simulation, gauge), room);
+                let areas = plan.areas();
+                for (index, area) in areas.iter().enumerate() {
+                    let told = || format!("{width}x{height} by {scale}, {which:#b}: {plan:?}");
+                    assert!(area.is_inside(room.picture), "{}", told());
+                    assert!(!areas[..index].iter().any(|other| other.meets(area)), "{}", told());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn in_small_windows_all_that_is_asked_for_alone_is_seen() {
+        let simulation = simulation();
+        let gauge = &mut gauge(&simulation);
+        for (width, height) in [(200.0, 150.0), (320.0, 240.0), (400.0, 300.0)] {
+            let room = Room { picture: DVec2::new(width, height), scale: 1.0 };
+            for bit in 0..6 {
+                let plan = Plan::new(&some(1 << bit, room, &simulation, gauge), room);
+                assert_eq!(plan.areas().len(), 1, "{width}x{height}, {bit}");
+            }
+            // Of all together the dot, the message, and how far back one is.
+            let plan = Plan::new(&some(0b1_0011_1111, room, &simulation, gauge), room);
+            assert!(plan.recording.is_some() && plan.message.is_some() && plan.past.is_some());
+        }
+    }
+
+    #[test]
+    fn what_is_recorded_is_where_it_is_seen_whatever_is_said_over_it() {
+        let simulation = simulation();
+        let gauge = &mut gauge(&simulation);
+        for &(width, height) in &SIZES[..3] {
+            let room = Room { picture: DVec2::new(width, height), scale: 1.0 };
+            for which in 0..1 << 9 {
+                let seen = Plan::new(&some(which, room, &simulation, gauge), room);
+                let kept = Plan::new(&some(which & !0b1_1000, room, &simulation, gauge), room);
+                let places = |plan: &Plan| {
+                    (plan.figures, plan.plot, plan.dial, plan.past.as_ref().map(|note| note.area))
+                };
+                assert_eq!(places(&seen), places(&kept), "{width}x{height}, {which:#b}");
             }
         }
     }

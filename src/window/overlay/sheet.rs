@@ -41,6 +41,35 @@ pub(super) fn rectangle(pixmap: &mut PixmapMut<'_>, corner: DVec2, extent: DVec2
     }
 }
 
+/// A part of a picture, px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Area {
+    pub(super) corner: DVec2,
+    pub(super) extent: DVec2,
+}
+
+impl Area {
+    /// Its lower right corner.
+    pub(super) fn end(&self) -> DVec2 {
+        self.corner + self.extent
+    }
+
+    /// Whether a part of it is a part of the other, too.
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        self.corner.cmplt(other.end()).all() && other.corner.cmplt(self.end()).all()
+    }
+
+    /// Whether all of it is in a picture of this size.
+    pub(super) fn is_inside(&self, picture: DVec2) -> bool {
+        self.corner.cmpge(DVec2::ZERO).all() && self.end().cmple(picture).all()
+    }
+
+    /// It as a sheet whose corners have this radius, px.
+    pub(super) fn rounded(&self, radius: f64) -> Rounded {
+        Rounded { corner: self.corner, extent: self.extent, radius }
+    }
+}
+
 /// A sheet with round corners.
 pub(super) struct Rounded {
     pub(super) corner: DVec2,

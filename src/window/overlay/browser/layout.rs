@@ -5,11 +5,16 @@ use glam::DVec2;
 use crate::paint::text::LINE;
 
 use super::super::TEXT_SIZE;
+use super::super::notes::{self, Measures};
 
 /// The width of a card at most, px.
 const WIDEST_CARD: f64 = 190.0;
 /// The width of a card's picture by its height.
 const ASPECT: f64 = 16.0 / 9.0;
+/// Pictures of cards are as low as this part of their height where another row has room then, ...
+const LOWER: f64 = 0.7;
+/// ... and down to this height, px, where not even one has.
+const LEAST_PICTURE: f64 = 40.0;
 /// The margin around the cards, px.
 const MARGIN: f64 = 24.0;
 /// The gap between two cards, px.
@@ -47,8 +52,10 @@ impl Layout {
     /// The layout of a picture of this size, with `scale` pixels per px of the world.
     pub(super) fn new(extent: DVec2, scale: f64) -> Self {
         // What does not fit at its size is smaller.
-        let room = (extent - 2.0 * MARGIN * scale).max(DVec2::ONE);
-        let scale = scale.min(room.x / 150.0).min(room.y / 120.0);
+        let measures = Measures::new(extent, scale);
+        let margin = MARGIN * measures.margin / notes::MARGIN;
+        let room = DVec2::new(extent.x - 2.0 * margin, measures.low() - margin).max(DVec2::ONE);
+        let scale = scale.min(room.x / 150.0).min(room.y / 128.0);
         let (gap, size) = (GAP * scale, SMALL * TEXT_SIZE * scale);
         let columns = ((room.x + gap) / (WIDEST_CARD * scale + gap)).floor().max(1.0);
         let across = ((room.x + gap) / columns - gap).min(WIDEST_CARD * 1.15 * scale);
@@ -56,13 +63,17 @@ impl Layout {
         let head = 2.6 * TEXT_SIZE * scale;
         let inside = across - 2.0 * PADDING * scale;
         let mut picture = DVec2::new(inside, inside / ASPECT).round();
-        if picture.y + written > room.y - head {
+        let lower = |rows: f64| ((room.y - head + gap) / rows - gap - written).floor().min(picture.y);
+        let rows = ((room.y - head + gap) / (written + picture.y + gap)).floor();
+        let another = lower(rows + 1.0);
+        picture.y = if another >= LOWER * picture.y { another } else { lower(1.0) };
+        if picture.y < LEAST_PICTURE * scale {
             picture = DVec2::ZERO;
         }
         let card = DVec2::new(across, written + picture.y);
         let rows = ((room.y - head + gap) / (card.y + gap)).floor().max(1.0);
         let used = columns * (across + gap) - gap;
-        let start = DVec2::new((extent.x - used) / 2.0, (extent.y - room.y) / 2.0 + head).round();
+        let start = DVec2::new((extent.x - used) / 2.0, margin + head).round();
         Self {
             extent,
             scale,

@@ -8,15 +8,22 @@ use tiny_skia::{Pixmap, PixmapMut, PixmapPaint, Transform};
 use crate::paint::text::{BASELINE, LINE, shorten, text, width};
 use crate::paint::{BALL, Colour};
 
-use super::super::sheet::{INK, QUIET, Rounded};
+use super::super::sheet::{Area, INK, QUIET, Rounded};
 use super::chart::{self, KINETIC, POTENTIAL};
 use super::gauge::{Figures, Gauge};
 use super::number::{WIDTH, number, perhaps};
 
 /// Size of the text, px.
 const TEXT_SIZE: f64 = 13.0;
-/// The text shrinks to this size, px, before the chart is left out.
+/// The text shrinks to this size, px, before the chart is left out, ...
 const LEAST_TEXT_SIZE: f64 = 10.5;
+/// ... and to this one before rows are, ...
+const SMALLEST: f64 = 9.0;
+/// ... of each group those of the highest rank first: each row's rank.
+const RANKS: [&[u8]; 4] = [&[0, 0, 3], &[1, 4, 4, 4], &[1, 2, 5, 5], &[0, 4, 4, 3]];
+const RANK: u8 = 5;
+/// Where the text of the least of it would be smaller than this, px, there is no panel.
+const ILLEGIBLE: f64 = 7.0;
 /// Characters of the columns of names and of units; between two columns there is one more.
 const NAME: usize = 11;
 const UNIT: usize = 4;
@@ -49,18 +56,33 @@ impl PartialEq for Panel {
 }
 
 impl Panel {
-    /// Where it ends in the picture, px.
-    pub(in crate::window) fn right(&self, scale: f64) -> f64 {
-        (MARGIN * scale).round() + f64::from(self.0.width())
+    /// Where one would be in this room, `top` pixels below the picture's upper edge, if there is room for any.
+    pub(in crate::window::overlay) fn would_be(room: Room, top: f64) -> Option<Area> {
+        lay_out(room).map(|(_, _, extent)| place(extent, top, room.scale))
     }
 
-    /// Copies it into the upper left corner, `top` pixels below the edge.
-    pub(in crate::window) fn paint(&self, pixmap: &mut PixmapMut<'_>, top: f64, scale: f64) {
-        let margin = (MARGIN * scale).round();
-        let (x, y) = (margin as i32, (top + margin) as i32);
+    /// The width of a picture in which one can be read, px.
+    pub(in crate::window::overlay) fn least_width(scale: f64) -> f64 {
+        (Layout::new(0, false).extent.x * SMALLEST + 2.0 * MARGIN) * scale
+    }
+
+    /// Where it is, `top` pixels below the picture's upper edge.
+    pub(in crate::window::overlay) fn area(&self, top: f64, scale: f64) -> Area {
+        place(DVec2::new(self.0.width().into(), self.0.height().into()), top, scale)
+    }
+
+    /// Copies it there.
+    pub(in crate::window::overlay) fn paint(&self, pixmap: &mut PixmapMut<'_>, area: &Area) {
+        let (x, y) = (area.corner.x as i32, area.corner.y as i32);
         let paint = PixmapPaint::default();
         pixmap.draw_pixmap(x, y, self.0.as_ref().as_ref(), &paint, Transform::identity(), None);
     }
+}
+
+/// In the upper left corner, `top` pixels below the edge.
+fn place(extent: DVec2, top: f64, scale: f64) -> Area {
+    let margin = (MARGIN * scale).round();
+    Area { corner: DVec2::new(margin, (top + margin).floor()), extent }
 }
 
 impl Gauge {
@@ -134,16 +156,31 @@ fn speed(time_scale: f64) -> String {
 struct Layout {
     /// Width and height of the panel.
     extent: DVec2,
+    /// Rows of a higher rank are left out.
+    rank: u8,
     chart: bool,
 }
 
 impl Layout {
-    fn new(groups: &[Vec<Row>], chart: bool) -> Self {
-        let rows: usize = 1 + groups.iter().map(Vec::len).sum::<usize>();
+    /// With the rows up to this rank.
+    fn new(rank: u8, chart: bool) -> Self {
+        let counts = RANKS.map(|ranks| ranks.iter().filter(|&&other| other <= rank).count());
+        let rows: usize = 1 + counts.iter().sum::<usize>();
+        let groups = counts.iter().filter(|&&count| count > 0).count();
         let columns = width("m", 1.0) * (NAME + 1 + WIDTH + 1 + UNIT) as f64;
         let chart_height = if chart { CHART + LINE + GAP } else { 0.0 };
-        let height = rows as f64 * LINE + groups.len() as f64 * GAP + chart_height;
-        Self { extent: DVec2::new(columns, height) + 2.0 * PADDING, chart }
+        let height = rows as f64 * LINE + groups as f64 * GAP + chart_height;
+        Self { extent: DVec2::new(columns, height) + 2.0 * PADDING, rank, chart }
+    }
+
+    /// With as much as can be read in so much room.
+    fn fitting(room: DVec2, scale: f64) -> Self {
+        let all = Self::new(RANK, true);
+        if all.size(room) >= LEAST_TEXT_SIZE * scale {
+            return all;
+        }
+        let fits = |layout: &Self| layout.size(room) >= SMALLEST * scale;
+        (0..=RANK).rev().map(|rank| Self::new(rank, false)).find(fits).unwrap_or_else(|| Self::new(0, false))
     }
 
     /// The text's size with which the panel fits so much room, px.
@@ -152,16 +189,20 @@ impl Layout {
     }
 }
 
-fn paint(gauge: &Gauge, Room { picture, scale }: Room) -> Option<Pixmap> {
-    let figures = gauge.figures()?;
-    let groups = rows(figures);
+/// How a panel is laid out in this room, the size of its text and its own size, px; none where nobody could read it.
+fn lay_out(Room { picture, scale }: Room) -> Option<(Layout, f64, DVec2)> {
     let room = picture - 2.0 * MARGIN * scale;
-    let mut layout = Layout::new(&groups, true);
-    if layout.size(room) < LEAST_TEXT_SIZE * scale {
-        layout = Layout::new(&groups, false);
-    }
-    let size = layout.size(room).min(TEXT_SIZE * scale);
+    let layout = Layout::fitting(room, scale);
+    // Where rows are left out, the rest has no need to be large.
+    let most = if layout.rank < RANK { LEAST_TEXT_SIZE } else { TEXT_SIZE };
+    let size = layout.size(room).min(most * scale);
     let extent = (layout.extent * size).ceil();
+    (size >= ILLEGIBLE * scale).then_some((layout, size, extent))
+}
+
+fn paint(gauge: &Gauge, room: Room) -> Option<Pixmap> {
+    let figures = gauge.figures()?;
+    let (layout, size, extent) = lay_out(room)?;
     let mut pixmap = Pixmap::new(extent.x as u32, extent.y as u32)?;
     let target = &mut pixmap.as_mut();
     Rounded { corner: DVec2::ZERO, extent, radius: 0.5 * size }.sheet(target, 1.0);
@@ -180,9 +221,12 @@ fn paint(gauge: &Gauge, Room { picture, scale }: Room) -> Option<Pixmap> {
     let right = extent.x - PADDING * size - width(solver, size);
     text(target, DVec2::new(right, baseline(top)), size, QUIET, solver);
     top += LINE * size;
-    for group in &groups {
-        top += GAP * size;
-        for Row { name, value, unit, colour } in group {
+    for (group, ranks) in rows(figures).iter().zip(RANKS) {
+        let mut shown = group.iter().zip(ranks).filter(|&(_, &rank)| rank <= layout.rank).peekable();
+        if shown.peek().is_some() {
+            top += GAP * size;
+        }
+        for (Row { name, value, unit, colour }, _) in shown {
             let at = |x| DVec2::new(x, baseline(top));
             text(target, at(left), size, *colour, name);
             text(target, at(value_at(value)), size, INK, value);
@@ -248,6 +292,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn every_row_has_a_rank_and_in_little_room_those_are_left_out_that_say_least() {
+        let gauge = gauge("gravity", 1.0);
+        let rows = rows(gauge.figures().unwrap());
+        assert_eq!(RANKS.map(<[u8]>::len).to_vec(), rows.iter().map(Vec::len).collect::<Vec<_>>());
+        let mut least = RANK;
+        for (x, y) in [(1280.0, 720.0), (400.0, 300.0), (320.0, 200.0), (200.0, 120.0)] {
+            let (layout, size, _) = lay_out(room(x, y, 1.0)).unwrap();
+            assert!(size >= SMALLEST && layout.rank <= least, "{x}x{y}: {size} px, {}", layout.rank);
+            least = layout.rank;
+        }
+        assert!(least < 2);
     }
 
     #[test]
