@@ -238,6 +238,46 @@ fn one_ball_and_any_that_do_not_notice_each_other_fly_and_bounce_to_the_bits_of_
     }
 }
 
+/// What had pushed it once, until then, was taken to hold it: it was shown with the mean velocity of the substep before.
+#[test]
+fn what_flies_off_is_shown_with_what_gravity_gave_it_until_then() {
+    const FRAME: f64 = 1.0 / 60.0;
+    let (fell, half_a_substep) = (FRAME * EARTH, EARTH / 480.0);
+    let (mut seen, mut without) = (0, 0);
+    for seed in 0..20 {
+        let mut random = random(100 + seed);
+        let mut any = |k: u32| {
+            let (x, y) = (30.0 + 55.0 * f64::from(k % 6), 30.0 + 55.0 * f64::from(k / 6));
+            let ball =
+                moving(ball(x, y, 8.0 + 18.0 * random()), 400.0 * random() - 200.0, 400.0 * random() - 200.0);
+            ball.with_mass(10_f64.powf(4.0 * random() - 2.0)).unwrap().with_restitution(0.3).unwrap()
+        };
+        let world = world(340.0, 260.0, 0.3).with_gravity(EARTH).unwrap();
+        let mut simulation = simulation(world, (0..24).map(&mut any).collect());
+        let mut frames: Vec<Vec<Ball>> = Vec::new();
+        for _ in 0..180 {
+            simulation.advance(FRAME).unwrap();
+            frames.push(simulation.balls().to_vec());
+        }
+        let balls = |three: &[Vec<Ball>]| {
+            let three: [Vec<Ball>; 3] = three.to_vec().try_into().unwrap();
+            (0..24).map(move |at| three.each_ref().map(|balls| balls[at]))
+        };
+        for [first, second, third] in frames.windows(3).flat_map(balls) {
+            // It flies through both frames, by its places: they say how fast it was when the first began.
+            let flown = |from: Ball, to: Ball| (to.position() - from.position()) / FRAME;
+            let (before, after) = (flown(first, second), flown(second, third));
+            if (after - before).distance(fell) < 1e-7 && first.velocity().length() > 40.0 {
+                seen += 1;
+                let was = before - 0.5 * fell;
+                without += u32::from((first.velocity() + half_a_substep).distance(was) < 1e-3);
+            }
+        }
+    }
+    assert!(seen > 5000, "only {seen} flew");
+    assert_eq!(without, 0, "of {seen}");
+}
+
 #[test]
 fn balls_are_shown_within_the_walls_between_substeps() {
     for substeps in [None, Some(30), Some(240)] {

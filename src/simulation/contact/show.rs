@@ -101,6 +101,10 @@ impl Contact {
         if !by_others || is_held_up {
             return body.velocity + 0.5 * change;
         }
+        if moves {
+            // As good as always that was once, and over.
+            return body.velocity + 0.5 * falls * kick;
+        }
         if body.velocity.length_squared() <= kick.length_squared() {
             // It rests, or is about to.
             return body.velocity;
