@@ -19,6 +19,11 @@ const MOVING: f64 = 8.0;
 /// One that is slower, but moves, lies on them as far as so many times what they give it is its weight: wholly where that is half.
 const HARDLY: f64 = 2.0;
 
+/// What others give one that moves holds it up up to so many times its weight, and goes on in the next substep ...
+const CARRIED: f64 = 1.5;
+/// ... and is a blow, and over, from so many times.
+const BLOW: f64 = 4.0;
+
 /// A body where the substep begins that a frame ends in.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Start {
@@ -94,24 +99,25 @@ impl Contact {
         let Held { by_others, by_walls } = self.held.get(at).copied().unwrap_or_default();
         let falls = DVec2::select(by_walls, DVec2::ZERO, DVec2::ONE);
         let change = falls * body.change(kick);
-        // What others only hold up while it moves loses a part of gravity to them, along their contacts. What stops or drives it
-        // does so once, and what one at rest lacks in a substep it has in the next.
-        let moves = body.velocity.length_squared() > MOVING * MOVING * kick.length_squared();
-        let is_held_up = moves && change.length_squared() <= change.dot(kick);
-        if !by_others || is_held_up {
+        if !by_others {
             return body.velocity + 0.5 * change;
         }
-        if moves {
-            // As good as always that was once, and over.
-            return body.velocity + 0.5 * falls * kick;
+        // In kicks of gravity.
+        let [speed, held] = [body.velocity, body.velocity - body.free].map(|by| by.length() / kick.length());
+        let moves = speed > MOVING;
+        let is_held_up = change.length_squared() <= change.dot(kick) || held <= CARRIED;
+        if moves && is_held_up {
+            // What others only hold up while it moves loses a part of gravity to them, along their contacts.
+            body.velocity + 0.5 * change
+        } else if moves && held > BLOW {
+            body.velocity + 0.5 * falls * kick
+        } else if speed <= 1.0 {
+            // It rests, or is about to: what it lacks in a substep it has in the next.
+            body.velocity
+        } else {
+            // What they hardly hold flies. What stops or drives it a little may go on or not.
+            body.velocity + 0.5 * (1.0 - HARDLY * held).max(0.0) * falls * kick
         }
-        if body.velocity.length_squared() <= kick.length_squared() {
-            // It rests, or is about to.
-            return body.velocity;
-        }
-        // What they hardly hold flies.
-        let held = (body.velocity - body.free).length() / kick.length();
-        body.velocity + 0.5 * (1.0 - HARDLY * held).max(0.0) * falls * kick
     }
 
     /// A body where a substep is about to begin.
@@ -233,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn what_others_hardly_hold_is_shown_in_free_flight_and_what_they_hold_is_not() {
+    fn what_others_hardly_hold_or_struck_is_shown_in_free_flight_and_what_they_hold_is_not() {
         // A velocity through a substep is half a kick behind that at its end.
         for (speed, given, more) in [
             (5.0, 0.0, 0.5),
@@ -244,6 +250,10 @@ mod tests {
             (0.5, 0.0, 0.0),
             (20.0, -1.0, 0.0),
             (20.0, -0.5, 0.25),
+            (20.0, -1.2, -0.1),
+            (20.0, -3.0, 0.0),
+            (20.0, -6.0, 0.5),
+            (-20.0, 6.0, 0.5),
         ] {
             let found = shown(speed, given) - speed;
             assert!((found - more).abs() < 1e-6, "{speed} {given}: {found}, not {more}");
