@@ -125,13 +125,19 @@ impl Grid {
     pub(super) fn find_up_to(&mut self, most: usize, balls: &[Ball]) -> bool {
         let mut touching = std::mem::take(&mut self.touching);
         touching.clear();
-        let mut too_many = false;
-        self.for_each(balls, |i, j| {
-            too_many |= touching.len() == most;
-            if !too_many {
+        self.sort_into_cells(balls);
+        // No ball is compared any more once they are too many: a hundred thousand at one point have five billion pairs.
+        self.neighbours(0..self.rows, &mut |ball, others| {
+            if touching.len() <= most {
+                compare(ball, others, &mut |i, j| touching.push((i, j)));
+            }
+        });
+        self.compare_large(&mut |i, j| {
+            if touching.len() <= most {
                 touching.push((i, j));
             }
         });
+        let too_many = touching.len() > most;
         if too_many {
             touching = Vec::new();
         }
