@@ -318,3 +318,58 @@ fn what_holds_balls_that_come_from_far_away_gives_them_no_energy() {
         }
     }
 }
+
+/// A heavy ball that slides along the floor to a light one of this radius before a wall, or as far before another that comes as fast.
+fn slide_to(radius: f64, ratio: f64, speed: f64, restitution: f64, other: bool) -> Simulation {
+    let at = if other { 250.0 } else { 399.2 - radius };
+    let side = radius + 10.7;
+    let heavy = |x: f64, speed: f64| of(moving(ball(x, 190.0, 10.0), speed, 0.0), ratio, restitution);
+    let mut balls = vec![heavy(at - side, speed), of(ball(at, 200.0 - radius, radius), 1.0, restitution)];
+    balls.extend(other.then(|| heavy(at + side, -speed)));
+    simulation(world(400.0, 200.0, restitution).with_gravity(EARTH).unwrap(), balls)
+}
+
+/// It came into it, substep by substep: sweeps give a heavy ball a light one's own small momentum.
+#[test]
+fn a_heavy_ball_that_slides_along_the_floor_crushes_no_light_one_however_slow_it_is() {
+    for restitution in [0.0, 0.5, 0.9] {
+        for (ratio, radius) in [(1e4, 9.0), (1e7, 9.0), (1e10, 9.0), (1e4, 11.0), (1e7, 11.0), (1e10, 11.0)] {
+            for speed in [1.0, 3.0, 8.0, 15.0, 30.0, 60.0, 300.0] {
+                for other in [false, true] {
+                    for mut floor in both_ways(&slide_to(radius, ratio, speed, restitution, other)) {
+                        for frame in 0..240 {
+                            floor.advance(FRAME).unwrap();
+                            let (deepest, what) = (overlap(&floor), format!("{speed} px/s, {radius} px"));
+                            assert!(deepest < 0.06, "{restitution}, {ratio:e}, {what}, {frame}: {deepest}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Some balls whose masses, whatever their sizes, span twelve powers of ten, in the air above a floor.
+fn few_of_any_mass(seed: u64) -> Simulation {
+    let mut random = random(seed);
+    let count = 4 + (random() * 20.0) as u32;
+    let restitution = [0.0, 0.3, 0.5, 0.7, 0.9][(5.0 * random()) as usize];
+    let balls = (0..count).map(|k| {
+        let place = DVec2::new(40.0 + 70.0 * f64::from(k % 6), 40.0 + 70.0 * f64::from(k / 6));
+        let speed = DVec2::new(random() - 0.5, random() - 0.5) * 800.0;
+        let falls = moving(ball(place.x, place.y, 5.0 + 25.0 * random()), speed.x, speed.y);
+        of(falls, 10.0_f64.powf(12.0 * random() - 6.0), restitution)
+    });
+    simulation(world(450.0, 320.0, restitution).with_gravity(EARTH).unwrap(), balls.collect())
+}
+
+#[test]
+fn few_balls_that_fall_go_into_none_of_any_mass() {
+    for seed in 0..60 {
+        let mut few = few_of_any_mass(seed);
+        for frame in 0..600 {
+            few.advance(FRAME).unwrap();
+            assert!(overlap(&few) < 0.2, "seed {seed}, frame {frame}: {}", overlap(&few));
+        }
+    }
+}

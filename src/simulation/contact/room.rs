@@ -6,14 +6,15 @@
 //! where they were hit last, or would end, until they touch something. They lose time, and come into nothing.
 //!
 //! Under gravity, where overlaps follow loads, only where the substep was ended for fast ones, or where one of unlike balls was
-//! hit as often as it may be and goes on, or comes to one that was, or presses, and has not stopped it: nothing else keeps what
-//! these hit from going through then. What presses for long on one that has no room may press for ever so; that one is left to
-//! what holds it, now and then.
+//! hit as often as it may be and goes on, or where two that are unlike in density come deeper into each other whatever holds them:
+//! nothing else keeps what these hit from going through then. What presses for long on one that has no room may press for ever so;
+//! that one is left to what holds it, now and then, among few only where little comes of that.
 
 use glam::DVec2;
 
 use super::constraints::{Constraint, Pair};
 use super::fates::Limits;
+use super::find::FEW;
 use super::layout::{Layer, Layout};
 use super::near::Near;
 use super::sleep::Rest;
@@ -36,13 +37,23 @@ const RAMMING: (f64, f64) = (0.05, 50.0);
 /// than so many of gravity's kicks, and so far that room is looked for: a light one at a wall or at others gives a heavy one its own
 /// small momentum in each sweep, however slow that is. Not of one material: piles of large and small balls come to rest later.
 const UNSTOPPED: f64 = 10.0;
+/// Of few balls room is looked for already where two that are unlike in density would lie deep in each other, and come nearer in a
+/// substep by more than so many kicks of gravity would move them: one that only slides along the floor would crush a light one,
+/// however slowly. With 4, five times as many are crushed. Not among more than few: what sinks through hundreds of light ones gives
+/// way to what it has come into, and took twice as long.
+const SINKING: f64 = 1.0;
 /// Under gravity, where a ball had no room in so many substeps in a row in which any was looked for, its pairs with balls that do
 /// not ram it are not looked at in the next. If all always are, ten piles of unlike balls in 120 find no rest; with 4, two of
-/// them, and more balls go through others.
+/// them, and more balls go through others ...
 const LONG_STUCK: u8 = 16;
-/// The same for its pairs with balls that ram it: if all always are, five piles in 240 find no rest; with 48, a quarter more
-/// tubes let one through.
+/// ... nor those with balls that ram it. If all always are, five piles in 240 find no rest; with 48, a quarter more tubes let one
+/// through.
 const LONG_RAMMED: u8 = 96;
+/// Of few balls those that would come nearer by more than this part of the smaller radius are looked at nevertheless: what is driven
+/// against one at a wall, and not only heavy, would be through it before long. With 0.02, six times as many light balls are crushed.
+const LEFT: f64 = 0.005;
+/// Of few those that would lie deeper than this part of the smaller radius always are, however slowly they come: that would go on.
+const TOO_DEEP: f64 = 0.05;
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
 const TURNS: u32 = 4;
 
@@ -124,11 +135,7 @@ impl Contact {
         let mut spent = hit.filter(|(_, (fate, own))| limits.may_be_spent(fate, **own)).map(|(at, _)| at);
         if setting.kick != DVec2::ZERO {
             return spent.any(|at| rests[at].unlike.differs() && setting.rams(&bodies[at]))
-                || setting.unlike == Unlike::Density
-                    && near.holding().any(|(first, second, constraint)| {
-                        let differ = [first, second].iter().all(|&at| rests[at].unlike == Unlike::Density);
-                        differ && setting.goes_on(&bodies[first], &bodies[second], constraint)
-                    });
+                || setting.unlike == Unlike::Density && self.any_sinks();
         }
         spent.next().is_some()
             || near.holding().any(|(first, second, constraint)| {
@@ -137,6 +144,20 @@ impl Contact {
                     push > PUSHED * bodies[at].radius / setting.substep
                 })
             })
+    }
+
+    /// Whether two balls that are unlike in density come deeper into each other whatever holds them.
+    fn any_sinks(&self) -> bool {
+        let Self { setting, bodies, rests, near: Some(near), room, .. } = self else { return false };
+        let differ = |pair: [usize; 2]| pair.iter().all(|&at| rests[at].unlike == Unlike::Density);
+        if bodies.len() <= FEW {
+            near.pairs()
+                .any(|(first, second)| differ([first, second]) && room.sinks(setting, bodies, first, second))
+        } else {
+            near.holding().any(|(first, second, constraint)| {
+                differ([first, second]) && setting.goes_on(&bodies[first], &bodies[second], constraint)
+            })
+        }
     }
 }
 
@@ -169,7 +190,9 @@ impl Room {
         let mut found: Vec<usize> = Vec::new();
         let is_left = |at: usize, other: usize| {
             let long = if setting.rams(&bodies[other]) { LONG_RAMMED } else { LONG_STUCK };
-            setting.kick != DVec2::ZERO && rests[at].stuck >= long
+            setting.kick != DVec2::ZERO
+                && rests[at].stuck >= long
+                && (bodies.len() > FEW || self.come_little_nearer(bodies, at, other))
         };
         let is_deeper = |&Pair { first, second }: &Pair| {
             let (first, second) = (first as usize, second as usize);
@@ -247,7 +270,35 @@ impl Room {
         let distance = place.distance(bodies[other].position);
         let out = bodies[at].radius + bodies[other].radius - distance;
         out > DEEPEST * bodies[at].radius.min(bodies[other].radius)
-            && distance < self.starts[at].distance(self.starts[other])
+            && self.nearer_by(at, other, distance) > 0.0
+    }
+
+    /// Whether two bodies that have moved lie in each other not too deeply, and came so little nearer that this may go on for once.
+    fn come_little_nearer(&self, bodies: &[Body], first: usize, second: usize) -> bool {
+        let (one, other) = (&bodies[first], &bodies[second]);
+        let nearer = self.nearer_by(first, second, one.position.distance(other.position));
+        nearer < LEFT * one.radius.min(other.radius) && !one.overlaps(other, TOO_DEEP)
+    }
+
+    /// Whether two bodies that have not moved yet would come deeper into each other than what weight does in a substep, or than they
+    /// may ever.
+    fn sinks(&self, setting: &Setting, bodies: &[Body], first: usize, second: usize) -> bool {
+        let (one, other) = (&bodies[first], &bodies[second]);
+        let (reach, smaller) = (one.radius + other.radius, one.radius.min(other.radius));
+        let squared = (one.end(setting.substep) - other.end(setting.substep)).length_squared();
+        let deep = reach - DEEPEST * smaller;
+        if squared >= deep * deep {
+            return false;
+        }
+        let end = squared.sqrt();
+        let by_weight = SINKING * setting.kick.length() * setting.substep;
+        let most = if reach - end > TOO_DEEP * smaller { 0.0 } else { by_weight };
+        self.nearer_by(first, second, end) > most
+    }
+
+    /// By how much nearer to each other two bodies are at this distance than where they began.
+    fn nearer_by(&self, first: usize, second: usize, distance: f64) -> f64 {
+        self.starts[first].distance(self.starts[second]) - distance
     }
 
     /// Whether a body goes from where it began over another, where that is.
