@@ -149,7 +149,7 @@ impl Simulation {
     /// r/100, for the h seconds of one of 240.
     ///
     /// Balls without gravity take none unless a number is given: they go from impact to impact, as with [`Solver::Exact`]. So do
-    /// up to forty under gravity while none lies on others.
+    /// up to forty under gravity while none lies on others, and any number that do not notice each other.
     ///
     /// Balls that fly, and meet one after the other, do so to rounding whatever the number. With fewer substeps than it
     /// would choose, piles sink in by up to a few times g·h², and what lies on a wall of restitution 1 hops as high;

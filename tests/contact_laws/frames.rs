@@ -225,10 +225,15 @@ fn one_ball_and_any_that_do_not_notice_each_other_fly_and_bounce_to_the_bits_of_
     let one = vec![any()];
     // Many lie in each other.
     let crowd: Vec<Ball> = (0..500).map(|_| any()).collect();
-    for (world, balls) in [(box_of, one), (unnoticed, crowd)] {
+    // One wide, into whose corner gravity presses them.
+    let shaft = World::new(DVec2::new(20.1, 600.0)).unwrap().with_walls(0.5).unwrap();
+    let shaft = shaft.with_gravity(DVec2::new(300.0, 980.0)).unwrap();
+    let in_shaft = |k: u32| moving(ball(10.05, 20.0 + 9.0 * f64::from(k), 10.0), f64::from(k) - 30.0, 50.0);
+    let row: Vec<Ball> = (0..60).map(in_shaft).collect();
+    for (world, balls, frames) in [(box_of, one, 240), (unnoticed, crowd, 3600), (shaft, row, 3600)] {
         let [mut contact, mut exact] = [Solver::Contact, Solver::Exact]
             .map(|solver| Simulation::new(world, balls.clone(), solver).unwrap());
-        for _ in 0..240 {
+        for _ in 0..frames {
             contact.advance(1.0 / 60.0).unwrap();
             exact.advance(1.0 / 60.0).unwrap();
             assert_eq!(contact.balls(), exact.balls(), "{} of them at {} s", balls.len(), exact.time());

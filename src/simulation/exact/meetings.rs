@@ -83,7 +83,8 @@ impl Exact {
                 // Neither moves: they never meet.
             } else if N::HOLDS && self.marks[slot].rests() != self.marks[other].rests() {
                 // These cost most, and least where there is little time left: they come last.
-                let keeps_away = pair(other).keeps_away(pull(other), limit(other, &first) - now);
+                let time = limit(other, &first) - now;
+                let keeps_away = !inside(other) && pair(other).keeps_away(pull(other), time);
                 if !keeps_away && !accelerated.push(other) {
                     meet_accelerated(other, &mut first);
                 }

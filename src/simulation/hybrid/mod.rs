@@ -139,13 +139,15 @@ fn without_gravity(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) 
 /// Events for balls that fall, where impacts have kept pace so far as this says, if they suit them: if they are few, and none
 /// overlap, or if they do not notice each other.
 fn falling(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Option<Exact> {
-    let notice = world.pairs.is_some();
-    if notice && (!is_few(balls) || overlap(world, balls) > TOUCH) {
+    if world.pairs.is_none() {
+        // Nothing but walls ever holds them.
+        return Some(unjammed(world, balls, tuning)?.while_it_keeps_pace(so_far));
+    }
+    if !is_few(balls) || overlap(world, balls) > TOUCH {
         return None;
     }
     let rate = most_substeps(world, balls, tuning);
-    let pace = if notice { so_far.in_fall() } else { so_far };
-    let exact = unjammed(world, balls, tuning)?.while_it_keeps_pace(pace);
+    let exact = unjammed(world, balls, tuning)?.while_it_keeps_pace(so_far.in_fall());
     Some(exact.while_nothing_presses(rate, tuning.rest_speed))
 }
 

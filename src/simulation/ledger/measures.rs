@@ -105,6 +105,7 @@ mod tests {
             let mut still =
                 Simulation::new(world, vec![Ball::new(DVec2::splat(50.0), 1.0).unwrap()], Solver::Contact)
                     .unwrap()
+                    // By itself it takes none.
                     .with_substeps(240)
                     .unwrap();
             for _ in 0..3600 * frames as u32 {
