@@ -4,7 +4,8 @@
 use glam::DVec2;
 
 use super::super::lesser::lesser;
-use super::{NEVER, Pair, ROUNDING, SUNK, position, reach};
+use super::pair::{ROUNDING, SUNK};
+use super::{NEVER, Pair, position, reach};
 
 /// An acceleration that counts as none, px/s²: in the eleven days of the longest frame it moves nothing by 10⁻²⁸ px.
 const WEAK: f64 = 1e-40;
