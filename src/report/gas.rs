@@ -10,7 +10,7 @@ use super::timing::{Spread, repeat};
 use super::{Context, ReportError};
 use crate::scene::Scene;
 use crate::simulation::invariants::kinetic_energy;
-use crate::simulation::{Ball, Simulation, Solver, World};
+use crate::simulation::{Ball, Simulation, World};
 
 /// How many balls.
 const COUNT: usize = 500;
@@ -105,7 +105,7 @@ fn measure(
 
 /// The settings that are run: every second of a ladder, up to what a gas needs.
 fn settings() -> Vec<Setting> {
-    let all = Solver::ALL.iter().flat_map(|&solver| Setting::all(solver, false));
+    let all = Setting::all(false).into_iter();
     all.filter(|setting| match setting {
         Setting::Frames(_) | Setting::OwnSubsteps => true,
         Setting::Substeps(rate) => *rate <= 1920,
@@ -208,11 +208,9 @@ fn figure(found: &[(Setting, Statistics)]) -> Figure {
     let panel = Panel::of_solvers("A gas: its pressure", "relative error of Z", String::new(), |solver| {
         let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
         let dot = |(setting, statistics): &(Setting, Statistics)| Dot {
-            x: statistics.times.median,
-            y: (statistics.compressibility / PUBLISHED - 1.0).abs().max(1e-4),
             spread: Some(statistics.times.quartiles),
-            used: setting.is_default(),
-            joined: setting.size().is_some(),
+            ..setting
+                .dot(statistics.times.median, (statistics.compressibility / PUBLISHED - 1.0).abs().max(1e-4))
         };
         own.map(dot).collect()
     });

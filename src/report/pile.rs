@@ -1,14 +1,14 @@
 //! A pile, measured by what is wrong with it once it lies: how deep its balls are in each other, and how much they
 //! move.
 
-use super::chart::{Dot, Figure, Panel, given_up};
+use super::chart::{Figure, Panel, given_up};
 use super::document::{Csv, Section, Table, duration, rounded};
 use super::problems::Unposed;
 use super::setting::{GivenUp, LOOKS, Setting};
 use super::{Context, ReportError};
 use crate::scene::Scene;
 use crate::simulation::grid::Grid;
-use crate::simulation::{Ball, Simulation, Solver, World};
+use crate::simulation::{Ball, Simulation, World};
 
 /// How many balls.
 const COUNT: usize = 300;
@@ -77,7 +77,7 @@ fn measure(world: &World, balls: &[Ball], setting: Setting, context: &Context) -
 
 /// The settings that are run.
 fn settings(quick: bool) -> Vec<Setting> {
-    let all = Solver::ALL.iter().flat_map(|&solver| Setting::all(solver, quick));
+    let all = Setting::all(quick).into_iter();
     all.filter(|setting| match setting {
         Setting::Frames(_) | Setting::OwnSubsteps => true,
         Setting::Substeps(rate) => *rate <= 1920,
@@ -174,11 +174,7 @@ fn figure(found: &[(Setting, Rest)], tried: &[Setting]) -> Figure {
     let panel = |title: &str, label: &'static str, value: fn(&Rest) -> f64| {
         Panel::of_solvers(title, label, note.clone(), |solver| {
             let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
-            let dot = |(setting, rest): &(Setting, Rest)| Dot {
-                used: setting.is_default(),
-                joined: setting.size().is_some(),
-                ..Dot::at(rest.seconds, value(rest).max(1e-12))
-            };
+            let dot = |(setting, rest): &(Setting, Rest)| setting.dot(rest.seconds, value(rest).max(1e-12));
             own.map(dot).collect()
         })
     };
@@ -192,6 +188,7 @@ fn figure(found: &[(Setting, Rest)], tried: &[Setting]) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation::Solver;
 
     #[test]
     fn contact_holds_a_pile_that_canvas_lets_sink() {

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
+use super::chart::Dot;
 use crate::simulation::limits::{DEFAULT_REST_SPEED, OutOfRange};
 use crate::simulation::{Ball, BuildError, Simulation, Solver, World};
 
@@ -75,14 +76,22 @@ impl Setting {
         }
     }
 
-    /// All settings that a solver is run with: its ladder, and its default where that is no rung of it.
-    pub(super) fn all(solver: Solver, quick: bool) -> Vec<Self> {
-        let mut all = Self::ladder(solver, quick);
-        let default = Self::default_of(solver);
-        if !all.contains(&default) {
-            all.push(default);
-        }
-        all
+    /// All settings that solvers are run with: of each its ladder, and its default where that is no rung of it.
+    pub(super) fn all(quick: bool) -> Vec<Self> {
+        let of_solver = |&solver: &Solver| {
+            let mut all = Self::ladder(solver, quick);
+            let default = Self::default_of(solver);
+            if !all.contains(&default) {
+                all.push(default);
+            }
+            all
+        };
+        Solver::ALL.iter().flat_map(of_solver).collect()
+    }
+
+    /// Where it stands in a figure.
+    pub(super) fn dot(self, x: f64, y: f64) -> Dot {
+        Dot { used: self.is_default(), joined: self.size().is_some(), ..Dot::at(x, y) }
     }
 
     /// What a solver does where it is told nothing: the demo's frames, and each solver's own default.
@@ -249,7 +258,8 @@ mod tests {
             let quick = Setting::ladder(solver, true);
             assert!(quick.len() * 2 <= ladder.len());
             for (ladder, quick) in [(ladder, false), (quick, true)] {
-                let all = Setting::all(solver, quick);
+                let all: Vec<Setting> =
+                    Setting::all(quick).into_iter().filter(|setting| setting.solver() == solver).collect();
                 assert!(all.starts_with(&ladder));
                 assert_eq!(all.iter().filter(|setting| setting.is_default()).count(), 1);
             }

@@ -38,11 +38,8 @@ fn dots(points: &[Point], solver: Solver, at_end: bool) -> Vec<Dot> {
         .filter_map(|point| Some((point.setting, point.outcome.as_ref().ok()?)))
         .filter(|(_, measured)| measured.run.is_finite())
         .map(|(setting, Measured { end, run, times, .. })| Dot {
-            x: times.median,
-            y: if at_end { *end } else { *run }.max(LEAST_ERROR),
             spread: Some(times.quartiles),
-            used: setting.is_default(),
-            joined: setting.size().is_some(),
+            ..setting.dot(times.median, if at_end { *end } else { *run }.max(LEAST_ERROR))
         })
         .collect()
 }

@@ -48,19 +48,17 @@ pub(super) fn measure(problem: &Problem, setting: Setting, effort: &Effort) -> R
 
 /// All solvers over their ladders.
 pub(super) fn measure_all(problem: &Problem, context: &mut Context) -> Vec<Point> {
-    let settings = Solver::ALL.iter().flat_map(|&solver| Setting::all(solver, context.quick));
-    let settings: Vec<Setting> = settings.collect();
+    let quick = context.quick;
     let point = |setting| {
         context.progress.step(problem.name);
         Point { setting, outcome: measure(problem, setting, &context.effort) }
     };
-    settings.into_iter().map(point).collect()
+    Setting::all(quick).into_iter().map(point).collect()
 }
 
 /// How many steps of the progress bar this takes.
 pub(super) fn steps(context: &Context, problems: usize) -> usize {
-    let settings: usize = Solver::ALL.iter().map(|&solver| Setting::all(solver, context.quick).len()).sum();
-    problems * settings
+    problems * Setting::all(context.quick).len()
 }
 
 /// The order of a solver in its step: the slope of its errors at the end.
