@@ -137,8 +137,7 @@ impl Stripe {
                 && (calm || shift_of(share.fates, constraint.pair) == Shift::None)
             {
                 let (first, second) = two(share.bodies, constraint.pair);
-                let left = setting.softness.yielding(marks.unlike());
-                follow(setting, constraint, first, second, (way, distance), left);
+                follow(setting, constraint, first, second, (way, distance), marks.unlike());
                 marks.set(Marks::LIVE, true);
                 marks.set(Marks::HELD, constraint.impulse > 0.0);
             } else {
@@ -164,9 +163,8 @@ impl Stripe {
         let carried = constraint.impulse;
         let on_fixed = [pair.first, pair.second].iter().any(|&body| rests[body as usize].own == 0.0);
         let slow = setting.slow_turn(first.radius + second.radius, on_fixed);
-        let left = setting.softness.yielding(marks.unlike());
-        let near =
-            prepare(setting, &mut constraint, (first, second), (shift_of(fates, pair), met), (slow, left));
+        let how = (slow, marks.unlike());
+        let near = prepare(setting, &mut constraint, (first, second), (shift_of(fates, pair), met), how);
         if known.is_some() {
             constraints[*place as usize] = constraint;
         } else if near {
@@ -235,15 +233,15 @@ fn follow(
     first: &mut Body,
     second: &mut Body,
     (offset, distance): (DVec2, f64),
-    left: f64,
+    unlike: Unlike,
 ) {
     let reach = first.radius + second.radius;
     // Without a branch: which pairs overlap cannot be foreseen by a processor.
     let out = reach - distance;
     let mut turned = *constraint;
-    turned.least = setting.least_parting(lesser(setting.softness.mended * out, out), reach);
+    turned.least = setting.least_parting(lesser(setting.softness.mended(unlike) * out, out), reach);
     give(turned.turn(offset / distance, setting.slow_turn(reach, false)), first, second);
-    solve(&mut turned, first, second, left);
+    solve(&mut turned, first, second, setting.softness.yielding(unlike));
     *constraint = turned;
 }
 
@@ -294,8 +292,9 @@ fn prepare(
     constraint: &mut Constraint,
     (first, second): (&mut Body, &mut Body),
     (shift, met): (Shift, bool),
-    (slow, left): (SlowTurn, f64),
+    (slow, unlike): (SlowTurn, Unlike),
 ) -> bool {
+    let (mended, left) = (setting.softness.mended(unlike), setting.softness.yielding(unlike));
     if shift == Shift::Far {
         let_go(constraint, first, second);
         return hold_at_end(setting, constraint, (first, second), (slow, left));
@@ -336,12 +335,12 @@ fn prepare(
         };
         if setting.kick == DVec2::ZERO {
             // Nothing presses them together again: they are moved, and need no velocity.
-            let moved = normal * (setting.softness.mended * deep * constraint.mass);
+            let moved = normal * (mended * deep * constraint.mass);
             first.position += moved * first.inverse_mass;
             second.position -= moved * second.inverse_mass;
             0.0
         } else {
-            setting.softness.mended * deep
+            mended * deep
         }
     };
     constraint.least = setting.least_parting(way, reach);

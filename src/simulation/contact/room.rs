@@ -8,11 +8,12 @@
 //! Under gravity, where overlaps follow loads, only where the substep was ended for fast ones, or where one of unlike balls was
 //! hit as often as it may be and goes on, or where two that are unlike in density come deeper into each other whatever holds them:
 //! nothing else keeps what these hit from going through then. What presses for long on one that has no room may press for ever so;
-//! that one is left to what holds it, now and then, among few only where little comes of that.
+//! that one is left to what holds it, now and then, among few only where little comes of that. Of many, of which any are unlike in
+//! density, none is, but all may go a little into each other, and lose the speed for which they have no room for long.
 
 use glam::DVec2;
 
-use super::constraints::{Constraint, Pair};
+use super::constraints::Pair;
 use super::fates::Limits;
 use super::find::FEW;
 use super::layout::{Layer, Layout};
@@ -33,14 +34,10 @@ const PUSHED: f64 = 0.125;
 /// it may have, and is faster than so many of gravity's kicks, may go through others: they are too light to turn it back. What
 /// only sinks among light ones is slower.
 const RAMMING: (f64, f64) = (0.05, 50.0);
-/// Under gravity what holds two balls that are unlike in density has not stopped them where they still come into each other faster
-/// than so many of gravity's kicks, and so far that room is looked for: a light one at a wall or at others gives a heavy one its own
-/// small momentum in each sweep, however slow that is. Not of one material: piles of large and small balls come to rest later.
-const UNSTOPPED: f64 = 10.0;
-/// Of few balls room is looked for already where two that are unlike in density would lie deep in each other, and come nearer in a
-/// substep by more than so many kicks of gravity would move them: one that only slides along the floor would crush a light one,
-/// however slowly. With 4, five times as many are crushed. Not among more than few: what sinks through hundreds of light ones gives
-/// way to what it has come into, and took twice as long.
+/// Under gravity room is looked for, too, where two of few balls that are unlike in density would lie deep in each other, and come
+/// nearer in a substep by more than so many kicks of gravity would move them: a light one at a wall or at others gives a heavy one
+/// its own small momentum in each sweep, and one that only slides along the floor would crush it, however slowly. With 4, five times
+/// as many are crushed. Not of one material: piles of large and small balls come to rest later.
 const SINKING: f64 = 1.0;
 /// Under gravity, where a ball had no room in so many substeps in a row in which any was looked for, its pairs with balls that do
 /// not ram it are not looked at in the next. If all always are, ten piles of unlike balls in 120 find no rest; with 4, two of
@@ -54,6 +51,14 @@ const LONG_RAMMED: u8 = 96;
 const LEFT: f64 = 0.005;
 /// Of few those that would lie deeper than this part of the smaller radius always are, however slowly they come: that would go on.
 const TOO_DEEP: f64 = 0.05;
+/// Of more than few balls, any unlike in density, only those are looked at that would lie deeper than this, and those without room go
+/// on until they are so deep: what sinks through hundreds of light ones pushes them aside meanwhile. Held as among few, it takes two
+/// and a half times as long.
+const TOO_DEEP_OF_MANY: f64 = 0.04;
+/// Of these, what had no room in so many substeps in a row loses, in each further one, this part of the speed that takes it nowhere:
+/// a heavy ball that light ones stop would be ever faster where it stands. Without that, three times as many piles get a thousandth
+/// of their energy back, and those without end take twice the time.
+const HELD_BACK: (u8, f64) = (8, 0.5);
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
 const TURNS: u32 = 4;
 
@@ -66,6 +71,23 @@ pub(super) struct Room {
     pub(super) short: Vec<Short>,
     /// For each body, whether it is one of them.
     is_short: Vec<bool>,
+    /// How deep they may go.
+    depths: Depths,
+}
+
+/// How deep balls may go into each other where room is looked for, in parts of the smaller radius.
+#[derive(Debug, Clone, Copy)]
+struct Depths {
+    /// Those that would end deeper are looked at.
+    looked_at: f64,
+    /// Those without room go on until they are so deep in others.
+    entered: f64,
+}
+
+impl Default for Depths {
+    fn default() -> Self {
+        Self { looked_at: DEEPEST, entered: 0.0 }
+    }
 }
 
 /// A body that may not go all its way.
@@ -83,6 +105,7 @@ impl Contact {
         let Self { setting, bodies, room, team, pairs: true, .. } = self else { return };
         let layout = Layout::of(bodies.len());
         room.short.clear();
+        room.depths = setting.depths(bodies.len());
         room.starts.resize(bodies.len(), DVec2::ZERO);
         let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
         team.each(shares, |(starts, bodies)| {
@@ -107,11 +130,15 @@ impl Contact {
             }
             return;
         }
+        let many = setting.are_many_unlike(bodies.len());
         room.find_short(setting, (bodies, restitutions, rests), near, course);
         room.go_on(setting, bodies, &near.all());
         for (at, (rest, body)) in rests.iter_mut().zip(&*bodies).enumerate() {
             let stays = body.position.distance(room.starts[at]) < DEEPEST * body.radius;
             rest.stuck = if room.is_short[at] && stays { rest.stuck.saturating_add(1) } else { 0 };
+        }
+        if many && setting.grounded {
+            room.hold_back(setting, bodies, rests);
         }
         if setting.kick != DVec2::ZERO && setting.grounded {
             room.pay_for_height(setting, bodies);
@@ -150,14 +177,8 @@ impl Contact {
     fn any_sinks(&self) -> bool {
         let Self { setting, bodies, rests, near: Some(near), room, .. } = self else { return false };
         let differ = |pair: [usize; 2]| pair.iter().all(|&at| rests[at].unlike == Unlike::Density);
-        if bodies.len() <= FEW {
-            near.pairs()
-                .any(|(first, second)| differ([first, second]) && room.sinks(setting, bodies, first, second))
-        } else {
-            near.holding().any(|(first, second, constraint)| {
-                differ([first, second]) && setting.goes_on(&bodies[first], &bodies[second], constraint)
-            })
-        }
+        near.pairs()
+            .any(|(first, second)| differ([first, second]) && room.sinks(setting, bodies, first, second))
     }
 }
 
@@ -169,11 +190,18 @@ impl Setting {
         body.velocity.distance_squared(self.common) > slow * slow
     }
 
-    /// Whether what holds two balls has not stopped them.
-    fn goes_on(&self, first: &Body, second: &Body, held: &Constraint) -> bool {
-        let part = DEEPEST * first.radius.min(second.radius) / self.substep;
-        let slow = part.max(UNSTOPPED * self.kick.length());
-        (first.velocity - second.velocity).dot(held.normal) < held.least.min(0.0) - slow
+    /// Whether so many balls are more than few, and any unlike in density, under gravity.
+    fn are_many_unlike(&self, count: usize) -> bool {
+        count > FEW && self.unlike == Unlike::Density && self.kick != DVec2::ZERO
+    }
+
+    /// How deep so many balls may go into each other.
+    fn depths(&self, count: usize) -> Depths {
+        if self.are_many_unlike(count) {
+            Depths { looked_at: TOO_DEEP_OF_MANY, entered: TOO_DEEP_OF_MANY }
+        } else {
+            Depths::default()
+        }
     }
 }
 
@@ -188,9 +216,11 @@ impl Room {
     ) {
         near.link_pairs(bodies.len());
         let mut found: Vec<usize> = Vec::new();
+        let many = setting.are_many_unlike(bodies.len());
         let is_left = |at: usize, other: usize| {
             let long = if setting.rams(&bodies[other]) { LONG_RAMMED } else { LONG_STUCK };
             setting.kick != DVec2::ZERO
+                && !many
                 && rests[at].stuck >= long
                 && (bodies.len() > FEW || self.come_little_nearer(bodies, at, other))
         };
@@ -240,13 +270,28 @@ impl Room {
             let mut any = false;
             for &Short { body, target, .. } in &self.short {
                 let way = target - bodies[body].position;
-                let go = way * free_share(body, way, bodies, stripes);
+                let go = way * free_share(body, way, bodies, stripes, self.depths.entered);
                 any |= go.length() > DEEPEST * bodies[body].radius;
                 let to = bodies[body].position + go;
                 bodies[body].position = setting.inside(to, bodies[body].radius);
             }
             if !any {
                 break;
+            }
+        }
+    }
+
+    /// Slows down those that had no room for long, as far as they do not go where their velocity would take them.
+    fn hold_back(&self, setting: &Setting, bodies: &mut [Body], rests: &[Rest]) {
+        let (long, part) = HELD_BACK;
+        for &Short { body: at, .. } in self.short.iter().filter(|short| rests[short.body].stuck >= long) {
+            let body = &mut bodies[at];
+            let (way, went) = (body.velocity * setting.substep, body.position - self.starts[at]);
+            if way != DVec2::ZERO {
+                let lost = 1.0 - (went.dot(way) / way.length_squared()).clamp(0.0, 1.0);
+                let change = body.velocity * (-part * lost);
+                body.velocity += change;
+                body.free += change;
             }
         }
     }
@@ -269,7 +314,7 @@ impl Room {
     fn come_into_each_other(&self, bodies: &[Body], (at, place): (usize, DVec2), other: usize) -> bool {
         let distance = place.distance(bodies[other].position);
         let out = bodies[at].radius + bodies[other].radius - distance;
-        out > DEEPEST * bodies[at].radius.min(bodies[other].radius)
+        out > self.depths.looked_at * bodies[at].radius.min(bodies[other].radius)
             && self.nearer_by(at, other, distance) > 0.0
     }
 
@@ -286,7 +331,7 @@ impl Room {
         let (one, other) = (&bodies[first], &bodies[second]);
         let (reach, smaller) = (one.radius + other.radius, one.radius.min(other.radius));
         let squared = (one.end(setting.substep) - other.end(setting.substep)).length_squared();
-        let deep = reach - DEEPEST * smaller;
+        let deep = reach - self.depths.looked_at * smaller;
         if squared >= deep * deep {
             return false;
         }
@@ -332,12 +377,13 @@ fn is_pushed_far(setting: &Setting, body: &Body) -> bool {
     (body.velocity - body.free).length_squared() > far * far
 }
 
-/// What part of its way a body can go until it touches another.
-fn free_share(at: usize, way: DVec2, bodies: &[Body], stripes: &Stripes<'_>) -> f64 {
+/// What part of its way a body can go until it is so deep in another, in parts of the smaller radius.
+fn free_share(at: usize, way: DVec2, bodies: &[Body], stripes: &Stripes<'_>, deep: f64) -> f64 {
     let body = &bodies[at];
     let until_touched = |other: usize| {
         let other = &bodies[other];
-        let (offset, reach) = (body.position - other.position, body.radius + other.radius);
+        let offset = body.position - other.position;
+        let reach = body.radius + other.radius - deep * body.radius.min(other.radius);
         let (closing, gap) = (offset.dot(way), offset.length_squared() - reach * reach);
         let discriminant = closing * closing - way.length_squared() * gap;
         if closing >= 0.0 || discriminant < 0.0 {

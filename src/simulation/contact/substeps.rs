@@ -63,6 +63,8 @@ pub(super) struct Substeps {
     pub(super) rate: u32,
     /// How many times shorter than usual beats are; [`None`] where the number of substeps was asked for.
     shortened: Option<u32>,
+    /// Whether balls are more than few.
+    many: bool,
     /// How many times shorter they are than balls of the middle size alone would ask for.
     finer: f64,
     /// Whether so many balls are of one size that they lie in crystals: then all are short.
@@ -88,13 +90,14 @@ impl Substeps {
         let (of_one_size, deep) = (are_many_of_one_size(balls), is_deep && tuning.sleep);
         let middle = shortened_for(middle_radius(balls), world.gravity.unwrap_or_default());
         let finer = shortened.map_or(1.0, |times| f64::from(times) / f64::from(middle));
-        Self { rate, shortened, finer, of_one_size, most, deep, count: most, next: most, calm: 0 }
+        let many = balls.len() > FEW;
+        Self { rate, shortened, many, finer, of_one_size, most, deep, count: most, next: most, calm: 0 }
     }
 
     /// The same for more balls, unless these ask for shorter beats, or more substeps in them.
     pub(super) fn with(&self, world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
-        let Self { rate, finer, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
-        ((rate, most) == (self.rate, self.most)).then_some(Self { finer, of_one_size, deep, ..*self })
+        let Self { rate, many, finer, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
+        ((rate, most) == (self.rate, self.most)).then_some(Self { many, finer, of_one_size, deep, ..*self })
     }
 
     /// Has the next beat of so many.
@@ -137,6 +140,11 @@ impl Substeps {
     /// How long a substep takes.
     pub(super) fn seconds(&self) -> f64 {
         1.0 / f64::from(self.per_second())
+    }
+
+    /// How contacts give way in one.
+    pub(super) fn softness(&self) -> Softness {
+        Softness::of(self.count, self.many)
     }
 
     /// In how many of the steps in which time is counted a substep is over: the last, and the next.
@@ -196,7 +204,7 @@ impl Setting {
             mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
             // Without gravity there is no chatter to be left out.
             rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
-            softness: Softness::of(MOST),
+            softness: substeps.softness(),
             unlike: Unlike::Nothing,
             keeping: Keeping::Nothing,
             to_the_end: None,
@@ -209,7 +217,7 @@ impl Setting {
     fn with_length(self, substeps: &Substeps) -> Self {
         let substep = substeps.seconds();
         let kick = self.gravity * substep;
-        Self { substep, kick, firm: substeps.firm(kick), softness: Softness::of(substeps.count), ..self }
+        Self { substep, kick, firm: substeps.firm(kick), softness: substeps.softness(), ..self }
     }
 }
 
