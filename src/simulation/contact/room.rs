@@ -253,6 +253,8 @@ impl Room {
                 DVec2::ZERO
             };
             let target = setting.inside(end - unknown, bodies[at].radius);
+            // What held it since it was hit may have turned it round: it was hit elsewhere than on the way to its end.
+            near.cover_way(at, (start, target), bodies, setting);
             self.short.push(Short { body: at, target, end });
             bodies[at].position = start;
             found.extend(near.all().around(at).filter(|&other| {
