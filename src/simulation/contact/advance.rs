@@ -83,6 +83,7 @@ impl Advance for Contact {
         self.substeps = substeps;
         self.setting.firm = substeps.firm(self.setting.kick);
         self.setting.softness = substeps.softness();
+        self.setting.contrast = substeps.contrast;
         self.setting.has_fixed = balls.iter().any(Ball::is_fixed);
         self.setting.jammed = any_jams(world, balls);
         let known = self.bodies.len();

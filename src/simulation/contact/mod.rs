@@ -141,6 +141,8 @@ struct Setting {
     rest_speed: f64,
     /// How contacts give way.
     softness: Softness,
+    /// How many times as dense as the others the densest is of more than few balls.
+    contrast: f64,
     /// In what any balls are unlike those around them.
     unlike: Unlike,
     /// How what holds balls is kept from giving them energy.

@@ -8,12 +8,12 @@
 //! Under gravity, where overlaps follow loads, only where the substep was ended for fast ones, or where one of unlike balls was
 //! hit as often as it may be and goes on, or where two that are unlike in density come deeper into each other whatever holds them:
 //! nothing else keeps what these hit from going through then. What presses for long on one that has no room may press for ever so;
-//! that one is left to what holds it, now and then, among few only where little comes of that. Of many, of which any are unlike in
-//! density, none is, but all may go a little into each other, and lose the speed for which they have no room for long.
+//! that one is left to what holds it, now and then, among few only where little comes of that. Of more than few that could crush
+//! each other none is, but all may go a little into each other, and are slowed down where they have had no room for long.
 
 use glam::DVec2;
 
-use super::constraints::Pair;
+use super::constraints::{Constraint, Pair};
 use super::fates::Limits;
 use super::find::FEW;
 use super::layout::{Layer, Layout};
@@ -22,7 +22,7 @@ use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
 use super::sweep::{Pass, Share};
 use super::turns::Course;
-use super::unlike::Unlike;
+use super::unlike::{CRUSHING, Unlike};
 use super::{Body, Contact, Setting};
 
 /// A ball may end in another by this part of the smaller radius, or as deep as it began: that is mended.
@@ -34,10 +34,14 @@ const PUSHED: f64 = 0.125;
 /// it may have, and is faster than so many of gravity's kicks, may go through others: they are too light to turn it back. What
 /// only sinks among light ones is slower.
 const RAMMING: (f64, f64) = (0.05, 50.0);
-/// Under gravity room is looked for, too, where two of few balls that are unlike in density would lie deep in each other, and come
-/// nearer in a substep by more than so many kicks of gravity would move them: a light one at a wall or at others gives a heavy one
-/// its own small momentum in each sweep, and one that only slides along the floor would crush it, however slowly. With 4, five times
-/// as many are crushed. Not of one material: piles of large and small balls come to rest later.
+/// Under gravity what holds two balls that are unlike in density has not stopped them where they still come into each other faster
+/// than so many of gravity's kicks, and so far that room is looked for: a light one at a wall or at others gives a heavy one its own
+/// small momentum in each sweep, however slow that is. Not of one material: piles of large and small balls come to rest later.
+const UNSTOPPED: f64 = 10.0;
+/// Of few balls, and of more that could crush others, room is looked for already where two that are unlike in density would lie deep
+/// in each other, and come nearer in a substep by more than so many kicks of gravity would move them: one that only slides along the
+/// floor would crush a light one, however slowly. With 4, five times as many of few are crushed. Not of densities that differ less:
+/// three thousand, ten to one, came to rest at half the speed.
 const SINKING: f64 = 1.0;
 /// Under gravity, where a ball had no room in so many substeps in a row in which any was looked for, its pairs with balls that do
 /// not ram it are not looked at in the next. If all always are, ten piles of unlike balls in 120 find no rest; with 4, two of
@@ -51,13 +55,14 @@ const LONG_RAMMED: u8 = 96;
 const LEFT: f64 = 0.005;
 /// Of few those that would lie deeper than this part of the smaller radius always are, however slowly they come: that would go on.
 const TOO_DEEP: f64 = 0.05;
-/// Of more than few balls, any unlike in density, only those are looked at that would lie deeper than this, and those without room go
-/// on until they are so deep: what sinks through hundreds of light ones pushes them aside meanwhile. Held as among few, it takes two
-/// and a half times as long.
+/// Of more than few balls that could crush each other only those are looked at that would lie deeper than this, and those without
+/// room go on until they are so deep: what sinks through hundreds of light ones pushes them aside meanwhile. Held as among few, it
+/// takes two and a half times as long.
 const TOO_DEEP_OF_MANY: f64 = 0.04;
-/// Of these, what had no room in so many substeps in a row loses, in each further one, this part of the speed that takes it nowhere:
-/// a heavy ball that light ones stop would be ever faster where it stands. Without that, three times as many piles get a thousandth
-/// of their energy back, and those without end take twice the time.
+/// Of these, what had no room in so many substeps in a row in which any was looked for is slowed down in each further one, by this
+/// part of how much less far it comes than its velocity would take it: a heavy ball that light ones stop would be ever faster where
+/// it stands. Without that, three times as many piles get a thousandth of their energy back, and those without end take twice the
+/// time.
 const HELD_BACK: (u8, f64) = (8, 0.5);
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
 const TURNS: u32 = 4;
@@ -105,7 +110,7 @@ impl Contact {
         let Self { setting, bodies, room, team, pairs: true, .. } = self else { return };
         let layout = Layout::of(bodies.len());
         room.short.clear();
-        room.depths = setting.depths(bodies.len());
+        room.depths = setting.depths();
         room.starts.resize(bodies.len(), DVec2::ZERO);
         let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
         team.each(shares, |(starts, bodies)| {
@@ -130,14 +135,13 @@ impl Contact {
             }
             return;
         }
-        let many = setting.are_many_unlike(bodies.len());
         room.find_short(setting, (bodies, restitutions, rests), near, course);
         room.go_on(setting, bodies, &near.all());
         for (at, (rest, body)) in rests.iter_mut().zip(&*bodies).enumerate() {
             let stays = body.position.distance(room.starts[at]) < DEEPEST * body.radius;
             rest.stuck = if room.is_short[at] && stays { rest.stuck.saturating_add(1) } else { 0 };
         }
-        if many && setting.grounded {
+        if setting.crushes() && setting.grounded {
             room.hold_back(setting, bodies, rests);
         }
         if setting.kick != DVec2::ZERO && setting.grounded {
@@ -177,8 +181,14 @@ impl Contact {
     fn any_sinks(&self) -> bool {
         let Self { setting, bodies, rests, near: Some(near), room, .. } = self else { return false };
         let differ = |pair: [usize; 2]| pair.iter().all(|&at| rests[at].unlike == Unlike::Density);
-        near.pairs()
-            .any(|(first, second)| differ([first, second]) && room.sinks(setting, bodies, first, second))
+        if bodies.len() <= FEW || setting.crushes() {
+            near.pairs()
+                .any(|(first, second)| differ([first, second]) && room.sinks(setting, bodies, first, second))
+        } else {
+            near.holding().any(|(first, second, constraint)| {
+                differ([first, second]) && setting.goes_on(&bodies[first], &bodies[second], constraint)
+            })
+        }
     }
 }
 
@@ -190,14 +200,21 @@ impl Setting {
         body.velocity.distance_squared(self.common) > slow * slow
     }
 
-    /// Whether so many balls are more than few, and any unlike in density, under gravity.
-    fn are_many_unlike(&self, count: usize) -> bool {
-        count > FEW && self.unlike == Unlike::Density && self.kick != DVec2::ZERO
+    /// Whether what holds two balls has not stopped them.
+    fn goes_on(&self, first: &Body, second: &Body, held: &Constraint) -> bool {
+        let part = DEEPEST * first.radius.min(second.radius) / self.substep;
+        let slow = part.max(UNSTOPPED * self.kick.length());
+        (first.velocity - second.velocity).dot(held.normal) < held.least.min(0.0) - slow
     }
 
-    /// How deep so many balls may go into each other.
-    fn depths(&self, count: usize) -> Depths {
-        if self.are_many_unlike(count) {
+    /// Whether some of more than few balls could crush others now: they are unlike in density, and pressed together.
+    fn crushes(&self) -> bool {
+        self.contrast > CRUSHING && self.unlike == Unlike::Density && self.kick != DVec2::ZERO
+    }
+
+    /// How deep balls may go into each other.
+    fn depths(&self) -> Depths {
+        if self.crushes() {
             Depths { looked_at: TOO_DEEP_OF_MANY, entered: TOO_DEEP_OF_MANY }
         } else {
             Depths::default()
@@ -216,11 +233,11 @@ impl Room {
     ) {
         near.link_pairs(bodies.len());
         let mut found: Vec<usize> = Vec::new();
-        let many = setting.are_many_unlike(bodies.len());
+        let crush = setting.crushes();
         let is_left = |at: usize, other: usize| {
             let long = if setting.rams(&bodies[other]) { LONG_RAMMED } else { LONG_STUCK };
             setting.kick != DVec2::ZERO
-                && !many
+                && !crush
                 && rests[at].stuck >= long
                 && (bodies.len() > FEW || self.come_little_nearer(bodies, at, other))
         };

@@ -9,10 +9,10 @@ use super::unlike::Unlike;
 const STIFFER: f64 = 0.1;
 /// The same of one material: the firmer, the less small balls are pressed into each other, and the later thousands rest.
 const STIFFER_OF_SIZES: f64 = 0.3;
-/// Where densities differ among more than few balls, so much of an overlap is taken away at least: a heavy ball goes through light
-/// ones as fast as these are pushed out of it, and the less they are, the deeper they would have to be. With 0.3 it takes half as
-/// long again; with 0.8 fewer piles come to rest.
-const MENDED_OF_MANY: f64 = 0.6;
+/// Where some balls could crush others, so much of an overlap is taken away at least: a heavy ball goes through light ones as fast as
+/// these are pushed out of it, and the less they are, the deeper they would have to be. With 0.3 it takes half as long again; with
+/// 0.8 fewer piles come to rest. Not among more of them: thousands come to rest much later so.
+const MENDED_OF_SOME: f64 = 0.6;
 
 /// How contacts give way in a substep.
 ///
@@ -29,8 +29,8 @@ pub(super) struct Softness {
 }
 
 impl Softness {
-    /// That which suits so many substeps in a beat, of more than few balls or not.
-    pub(super) fn of(count: u32, many: bool) -> Self {
+    /// That which suits so many substeps in a beat, where some balls could crush others or not.
+    pub(super) fn of(count: u32, some_crush: bool) -> Self {
         let (mended, soft): (f64, f64) = match count {
             ..=FEWEST => (0.8, 0.004),
             3 => (0.6, 0.006),
@@ -38,7 +38,7 @@ impl Softness {
         };
         let yielding =
             |soft: f64| [1.0, STIFFER_OF_SIZES, STIFFER].map(|stiffer| 1.0 / (1.0 + stiffer * soft));
-        let of_unlike = if many { mended.max(MENDED_OF_MANY) } else { mended };
+        let of_unlike = if some_crush { mended.max(MENDED_OF_SOME) } else { mended };
         let mended = [mended, mended, of_unlike];
         Self { mended, yielding: yielding(soft), yielding_of_few: yielding(0.25 * soft) }
     }

@@ -4,6 +4,8 @@
 //! around such balls contacts are firmer, sweeps more, and no energy is gained. Elsewhere that would only cost, and keep large
 //! piles from coming to rest. So each ball is judged by those near it, and what holds two balls by both.
 
+use super::super::ball::Ball;
+use super::super::invariants::free;
 use super::Body;
 use super::constraints::Marks;
 use super::find::FEW;
@@ -27,6 +29,10 @@ const RINGS: usize = 8;
 /// everywhere.
 const MANY: usize = 8;
 
+/// Balls that are more than so many times as dense as others could crush these. What is less dense is held by them: three thousand
+/// balls, half of them ten times as dense as the others, would take half as long again to come to rest, or twice as long.
+pub(super) const CRUSHING: f64 = 100.0;
+
 /// In what a ball is unlike those around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) enum Unlike {
@@ -37,6 +43,14 @@ pub(super) enum Unlike {
     Size,
     /// In mass, and in mass for its size: it may count as heavier than it is.
     Density,
+}
+
+/// How many times as dense as the least dense the densest of these balls is, as far as they move.
+pub(super) fn contrast(balls: &[Ball]) -> f64 {
+    let densities = free(balls).map(|ball| ball.mass / (ball.radius * ball.radius));
+    let (least, most) =
+        densities.fold((f64::INFINITY, 0.0_f64), |(least, most), of| (least.min(of), most.max(of)));
+    if least < most { most / least } else { 1.0 }
 }
 
 impl Unlike {
