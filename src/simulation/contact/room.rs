@@ -20,6 +20,7 @@ use super::layout::{Layer, Layout};
 use super::near::Near;
 use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
+use super::support::SOME;
 use super::sweep::{Pass, Share};
 use super::turns::Course;
 use super::unlike::{CRUSHING, Unlike};
@@ -58,7 +59,9 @@ const TOO_DEEP: f64 = 0.05;
 /// Of more than few balls that could crush each other only those are looked at that would lie deeper than this, and those without
 /// room go on until they are so deep: what sinks through hundreds of light ones pushes them aside meanwhile. Held as among few, it
 /// takes two and a half times as long.
-const TOO_DEEP_OF_MANY: f64 = 0.04;
+const TOO_DEEP_OF_SOME: f64 = 0.04;
+/// The same of more than some: with 0.04, a third of three thousand, half of them a thousand times as dense, are awake after 40 s.
+const TOO_DEEP_OF_MANY: f64 = 0.12;
 /// Of these, what had no room in so many substeps in a row in which any was looked for is slowed down in each further one, by this
 /// part of how much less far it comes than its velocity would take it: a heavy ball that light ones stop would be ever faster where
 /// it stands. Without that, three times as many piles get a thousandth of their energy back, and those without end take twice the
@@ -110,7 +113,7 @@ impl Contact {
         let Self { setting, bodies, room, team, pairs: true, .. } = self else { return };
         let layout = Layout::of(bodies.len());
         room.short.clear();
-        room.depths = setting.depths();
+        room.depths = setting.depths(bodies.len());
         room.starts.resize(bodies.len(), DVec2::ZERO);
         let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
         team.each(shares, |(starts, bodies)| {
@@ -212,13 +215,10 @@ impl Setting {
         self.contrast > CRUSHING && self.unlike == Unlike::Density && self.kick != DVec2::ZERO
     }
 
-    /// How deep balls may go into each other.
-    fn depths(&self) -> Depths {
-        if self.crushes() {
-            Depths { looked_at: TOO_DEEP_OF_MANY, entered: TOO_DEEP_OF_MANY }
-        } else {
-            Depths::default()
-        }
+    /// How deep so many balls may go into each other.
+    fn depths(&self, count: usize) -> Depths {
+        let deep = if count > SOME { TOO_DEEP_OF_MANY } else { TOO_DEEP_OF_SOME };
+        if self.crushes() { Depths { looked_at: deep, entered: deep } } else { Depths::default() }
     }
 }
 
