@@ -9,6 +9,7 @@ use super::layout::Layout;
 use super::show::Start;
 use super::sleep::Rest;
 use super::team::Team;
+use super::unlike::Crush;
 use super::wall_support::any_jams;
 use super::{Contact, can_rest, has_pairs};
 
@@ -82,8 +83,8 @@ impl Advance for Contact {
         }
         self.substeps = substeps;
         self.setting.firm = substeps.firm(self.setting.kick);
-        self.setting.softness = substeps.softness();
-        self.setting.contrast = substeps.contrast;
+        self.setting.crush = Crush::among(balls);
+        self.setting.softness = substeps.softness(self.setting.crush);
         self.setting.has_fixed = balls.iter().any(Ball::is_fixed);
         self.setting.jammed = any_jams(world, balls);
         let known = self.bodies.len();

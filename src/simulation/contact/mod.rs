@@ -103,7 +103,7 @@ use support::{Tolerance, give, two};
 use sweep::{Pass, Share};
 use team::Team;
 use turns::Course;
-use unlike::Unlike;
+use unlike::{Crush, Unlike};
 use wall_support::hold_jammed;
 
 /// A ball that an impact shifts by less than this part of its radius counts as not shifted.
@@ -141,8 +141,8 @@ struct Setting {
     rest_speed: f64,
     /// How contacts give way.
     softness: Softness,
-    /// How many times as dense as the others the densest is of more than few balls.
-    contrast: f64,
+    /// Whom balls could crush.
+    crush: Crush,
     /// In what any balls are unlike those around them.
     unlike: Unlike,
     /// How what holds balls is kept from giving them energy.

@@ -294,7 +294,7 @@ fn prepare(
     (shift, met): (Shift, bool),
     (slow, unlike): (SlowTurn, Unlike),
 ) -> bool {
-    let (mended, left) = (setting.softness.mended(unlike), setting.softness.yielding(unlike));
+    let left = setting.softness.yielding(unlike);
     if shift == Shift::Far {
         let_go(constraint, first, second);
         return hold_at_end(setting, constraint, (first, second), (slow, left));
@@ -333,14 +333,15 @@ fn prepare(
         } else {
             -gap
         };
+        let out = setting.softness.mended(unlike) * deep;
         if setting.kick == DVec2::ZERO {
             // Nothing presses them together again: they are moved, and need no velocity.
-            let moved = normal * (mended * deep * constraint.mass);
+            let moved = normal * (out * constraint.mass);
             first.position += moved * first.inverse_mass;
             second.position -= moved * second.inverse_mass;
             0.0
         } else {
-            mended * deep
+            out
         }
     };
     constraint.least = setting.least_parting(way, reach);

@@ -20,10 +20,9 @@ use super::layout::{Layer, Layout};
 use super::near::Near;
 use super::sleep::Rest;
 use super::stripes::{Stripe, Stripes};
-use super::support::SOME;
 use super::sweep::{Pass, Share};
 use super::turns::Course;
-use super::unlike::{CRUSHING, Unlike};
+use super::unlike::{Crush, Unlike};
 use super::{Body, Contact, Setting};
 
 /// A ball may end in another by this part of the smaller radius, or as deep as it began: that is mended.
@@ -113,7 +112,7 @@ impl Contact {
         let Self { setting, bodies, room, team, pairs: true, .. } = self else { return };
         let layout = Layout::of(bodies.len());
         room.short.clear();
-        room.depths = setting.depths(bodies.len());
+        room.depths = setting.depths();
         room.starts.resize(bodies.len(), DVec2::ZERO);
         let shares = layout.share(Layer::Own, &mut room.starts).zip(layout.share_read(Layer::Own, bodies));
         team.each(shares, |(starts, bodies)| {
@@ -144,7 +143,7 @@ impl Contact {
             let stays = body.position.distance(room.starts[at]) < DEEPEST * body.radius;
             rest.stuck = if room.is_short[at] && stays { rest.stuck.saturating_add(1) } else { 0 };
         }
-        if setting.crushes() && setting.grounded {
+        if setting.crush_now() != Crush::Nobody && setting.grounded {
             room.hold_back(setting, bodies, rests);
         }
         if setting.kick != DVec2::ZERO && setting.grounded {
@@ -184,7 +183,7 @@ impl Contact {
     fn any_sinks(&self) -> bool {
         let Self { setting, bodies, rests, near: Some(near), room, .. } = self else { return false };
         let differ = |pair: [usize; 2]| pair.iter().all(|&at| rests[at].unlike == Unlike::Density);
-        if bodies.len() <= FEW || setting.crushes() {
+        if bodies.len() <= FEW || setting.crush_now() != Crush::Nobody {
             near.pairs()
                 .any(|(first, second)| differ([first, second]) && room.sinks(setting, bodies, first, second))
         } else {
@@ -210,15 +209,20 @@ impl Setting {
         (first.velocity - second.velocity).dot(held.normal) < held.least.min(0.0) - slow
     }
 
-    /// Whether some of more than few balls could crush others now: they are unlike in density, and pressed together.
-    fn crushes(&self) -> bool {
-        self.contrast > CRUSHING && self.unlike == Unlike::Density && self.kick != DVec2::ZERO
+    /// Whom balls may crush now: under gravity, and while any are unlike those near them in density.
+    fn crush_now(&self) -> Crush {
+        let may = self.unlike == Unlike::Density && self.kick != DVec2::ZERO;
+        if may { self.crush } else { Crush::Nobody }
     }
 
-    /// How deep so many balls may go into each other.
-    fn depths(&self, count: usize) -> Depths {
-        let deep = if count > SOME { TOO_DEEP_OF_MANY } else { TOO_DEEP_OF_SOME };
-        if self.crushes() { Depths { looked_at: deep, entered: deep } } else { Depths::default() }
+    /// How deep balls may go into each other.
+    fn depths(&self) -> Depths {
+        let until = |deep: f64| Depths { looked_at: deep, entered: deep };
+        match self.crush_now() {
+            Crush::Nobody => Depths::default(),
+            Crush::AmongSome => until(TOO_DEEP_OF_SOME),
+            Crush::AmongMany => until(TOO_DEEP_OF_MANY),
+        }
     }
 }
 
@@ -233,11 +237,10 @@ impl Room {
     ) {
         near.link_pairs(bodies.len());
         let mut found: Vec<usize> = Vec::new();
-        let crush = setting.crushes();
+        let may_leave = setting.kick != DVec2::ZERO && setting.crush_now() == Crush::Nobody;
         let is_left = |at: usize, other: usize| {
             let long = if setting.rams(&bodies[other]) { LONG_RAMMED } else { LONG_STUCK };
-            setting.kick != DVec2::ZERO
-                && !crush
+            may_leave
                 && rests[at].stuck >= long
                 && (bodies.len() > FEW || self.come_little_nearer(bodies, at, other))
         };

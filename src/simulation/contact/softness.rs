@@ -1,7 +1,7 @@
 //! How contacts give way, by how many substeps a beat has.
 
 use super::substeps::{FEWEST, MOST};
-use super::unlike::Unlike;
+use super::unlike::{Crush, Unlike};
 
 /// Where densities differ, contacts give way by so much less: a light ball that carries a heavy one carries many times its own
 /// weight, and what it would give way by each substep, would be taken from the heavy one (`Stripe::carry_all`), which then
@@ -29,8 +29,8 @@ pub(super) struct Softness {
 }
 
 impl Softness {
-    /// That which suits so many substeps in a beat, where some balls could crush others or not.
-    pub(super) fn of(count: u32, some_crush: bool) -> Self {
+    /// That which suits so many substeps in a beat, and whom balls could crush.
+    pub(super) fn of(count: u32, crush: Crush) -> Self {
         let (mended, soft): (f64, f64) = match count {
             ..=FEWEST => (0.8, 0.004),
             3 => (0.6, 0.006),
@@ -38,7 +38,7 @@ impl Softness {
         };
         let yielding =
             |soft: f64| [1.0, STIFFER_OF_SIZES, STIFFER].map(|stiffer| 1.0 / (1.0 + stiffer * soft));
-        let of_unlike = if some_crush { mended.max(MENDED_OF_SOME) } else { mended };
+        let of_unlike = if crush == Crush::AmongSome { mended.max(MENDED_OF_SOME) } else { mended };
         let mended = [mended, mended, of_unlike];
         Self { mended, yielding: yielding(soft), yielding_of_few: yielding(0.25 * soft) }
     }

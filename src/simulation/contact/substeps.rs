@@ -19,9 +19,8 @@ use super::find::FEW;
 use super::layout::Layer;
 use super::softness::Softness;
 use super::stripes::of_layer;
-use super::support::SOME;
 use super::sweep::Pass;
-use super::unlike::{CRUSHING, Unlike, contrast};
+use super::unlike::{Crush, Unlike};
 use super::wall_support::any_jams;
 use super::wedges::FLAT_UNDER_SLEEPER;
 use super::{Contact, Setting, can_rest};
@@ -64,10 +63,6 @@ pub(super) struct Substeps {
     pub(super) rate: u32,
     /// How many times shorter than usual beats are; [`None`] where the number of substeps was asked for.
     shortened: Option<u32>,
-    /// How many times as dense as the others the densest is of more than few balls.
-    pub(super) contrast: f64,
-    /// Whether any of some balls could crush others.
-    some_crush: bool,
     /// How many times shorter they are than balls of the middle size alone would ask for.
     finer: f64,
     /// Whether so many balls are of one size that they lie in crystals: then all are short.
@@ -93,29 +88,13 @@ impl Substeps {
         let (of_one_size, deep) = (are_many_of_one_size(balls), is_deep && tuning.sleep);
         let middle = shortened_for(middle_radius(balls), world.gravity.unwrap_or_default());
         let finer = shortened.map_or(1.0, |times| f64::from(times) / f64::from(middle));
-        let contrast = if balls.len() > FEW { contrast(balls) } else { 1.0 };
-        let some_crush = contrast > CRUSHING && balls.len() <= SOME;
-        Self {
-            rate,
-            shortened,
-            contrast,
-            some_crush,
-            finer,
-            of_one_size,
-            most,
-            deep,
-            count: most,
-            next: most,
-            calm: 0,
-        }
+        Self { rate, shortened, finer, of_one_size, most, deep, count: most, next: most, calm: 0 }
     }
 
     /// The same for more balls, unless these ask for shorter beats, or more substeps in them.
     pub(super) fn with(&self, world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
-        let new = Self::new(world, balls, tuning);
-        let Self { contrast, some_crush, finer, of_one_size, deep, .. } = new;
-        let same = (new.rate, new.most) == (self.rate, self.most);
-        same.then_some(Self { contrast, some_crush, finer, of_one_size, deep, ..*self })
+        let Self { rate, finer, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
+        ((rate, most) == (self.rate, self.most)).then_some(Self { finer, of_one_size, deep, ..*self })
     }
 
     /// Has the next beat of so many.
@@ -160,9 +139,9 @@ impl Substeps {
         1.0 / f64::from(self.per_second())
     }
 
-    /// How contacts give way in one.
-    pub(super) fn softness(&self) -> Softness {
-        Softness::of(self.count, self.some_crush)
+    /// How contacts give way in one, by whom balls could crush.
+    pub(super) fn softness(&self, crush: Crush) -> Softness {
+        Softness::of(self.count, crush)
     }
 
     /// In how many of the steps in which time is counted a substep is over: the last, and the next.
@@ -206,6 +185,7 @@ impl Setting {
     pub(super) fn new(world: &World, balls: &[Ball], substeps: &Substeps, tuning: Tuning) -> Self {
         let gravity = world.gravity.unwrap_or_default();
         let has_fixed = balls.iter().any(Ball::is_fixed);
+        let crush = Crush::among(balls);
         let setting = Self {
             size: world.size,
             walls: world.walls,
@@ -222,8 +202,8 @@ impl Setting {
             mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
             // Without gravity there is no chatter to be left out.
             rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
-            softness: substeps.softness(),
-            contrast: substeps.contrast,
+            softness: substeps.softness(crush),
+            crush,
             unlike: Unlike::Nothing,
             keeping: Keeping::Nothing,
             to_the_end: None,
@@ -236,7 +216,7 @@ impl Setting {
     fn with_length(self, substeps: &Substeps) -> Self {
         let substep = substeps.seconds();
         let kick = self.gravity * substep;
-        Self { substep, kick, firm: substeps.firm(kick), softness: substeps.softness(), ..self }
+        Self { substep, kick, firm: substeps.firm(kick), softness: substeps.softness(self.crush), ..self }
     }
 }
 

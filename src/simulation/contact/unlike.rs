@@ -31,7 +31,7 @@ const MANY: usize = 8;
 
 /// Balls that are more than so many times as dense as others could crush these. What is less dense is held by them: three thousand
 /// balls, half of them ten times as dense as the others, would take half as long again to come to rest, or twice as long.
-pub(super) const CRUSHING: f64 = 100.0;
+const CRUSHING: f64 = 100.0;
 
 /// In what a ball is unlike those around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -45,12 +45,30 @@ pub(super) enum Unlike {
     Density,
 }
 
-/// How many times as dense as the least dense the densest of these balls is, as far as they move.
-pub(super) fn contrast(balls: &[Ball]) -> f64 {
-    let densities = free(balls).map(|ball| ball.mass / (ball.radius * ball.radius));
-    let (least, most) =
-        densities.fold((f64::INFINITY, 0.0_f64), |(least, most), of| (least.min(of), most.max(of)));
-    if least < most { most / least } else { 1.0 }
+/// Among whom any ball is dense enough to crush others. Few are looked after one by one, and count as none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Crush {
+    Nobody,
+    /// Up to [`SOME`] balls.
+    AmongSome,
+    /// More.
+    AmongMany,
+}
+
+impl Crush {
+    /// Whether any of these balls is.
+    pub(super) fn among(balls: &[Ball]) -> Self {
+        let densities = free(balls).map(|ball| ball.mass / (ball.radius * ball.radius));
+        let (least, most) =
+            densities.fold((f64::INFINITY, 0.0_f64), |(least, most), of| (least.min(of), most.max(of)));
+        if balls.len() <= FEW || most <= CRUSHING * least {
+            Self::Nobody
+        } else if balls.len() <= SOME {
+            Self::AmongSome
+        } else {
+            Self::AmongMany
+        }
+    }
 }
 
 impl Unlike {
