@@ -349,24 +349,48 @@ fn a_heavy_ball_that_slides_along_the_floor_crushes_no_light_one_however_slow_it
     }
 }
 
-/// Some balls whose masses, whatever their sizes, span twelve powers of ten, in the air above a floor.
-fn few_of_any_mass(seed: u64) -> Simulation {
+/// Rows of balls in the air above a floor, by what their seed leaves open.
+struct Rows {
+    /// At least so many, and so many more at most.
+    count: (u32, u32),
+    columns: u32,
+    /// Where the first is from both walls, and the next from it, px.
+    places: (f64, f64),
+    /// At most along each axis, to and fro together, px/s.
+    speeds: f64,
+    /// At least, and so much more at most, px.
+    radii: (f64, f64),
+    size: [f64; 2],
+}
+
+/// Balls whose masses, whatever their sizes, span twelve powers of ten.
+fn of_any_mass(seed: u64, rows: &Rows) -> Simulation {
+    let &Rows { count, columns, places: (first, step), speeds, radii: (least, more), size: [width, height] } =
+        rows;
     let mut random = random(seed);
-    let count = 4 + (random() * 20.0) as u32;
+    let count = count.0 + (random() * f64::from(count.1)) as u32;
     let restitution = [0.0, 0.3, 0.5, 0.7, 0.9][(5.0 * random()) as usize];
     let balls = (0..count).map(|k| {
-        let place = DVec2::new(40.0 + 70.0 * f64::from(k % 6), 40.0 + 70.0 * f64::from(k / 6));
-        let speed = DVec2::new(random() - 0.5, random() - 0.5) * 800.0;
-        let falls = moving(ball(place.x, place.y, 5.0 + 25.0 * random()), speed.x, speed.y);
+        let [x, y] = [k % columns, k / columns].map(|steps| first + step * f64::from(steps));
+        let speed = DVec2::new(random() - 0.5, random() - 0.5) * speeds;
+        let falls = moving(ball(x, y, least + more * random()), speed.x, speed.y);
         of(falls, 10.0_f64.powf(12.0 * random() - 6.0), restitution)
     });
-    simulation(world(450.0, 320.0, restitution).with_gravity(EARTH).unwrap(), balls.collect())
+    simulation(world(width, height, restitution).with_gravity(EARTH).unwrap(), balls.collect())
 }
 
 #[test]
 fn few_balls_that_fall_go_into_none_of_any_mass() {
+    let rows = Rows {
+        count: (4, 20),
+        columns: 6,
+        places: (40.0, 70.0),
+        speeds: 800.0,
+        radii: (5.0, 25.0),
+        size: [450.0, 320.0],
+    };
     for seed in 0..60 {
-        let mut few = few_of_any_mass(seed);
+        let mut few = of_any_mass(seed, &rows);
         for frame in 0..600 {
             few.advance(FRAME).unwrap();
             assert!(overlap(&few) < 0.2, "seed {seed}, frame {frame}: {}", overlap(&few));
@@ -374,27 +398,21 @@ fn few_balls_that_fall_go_into_none_of_any_mass() {
     }
 }
 
-/// Many balls whose masses, whatever their sizes, span twelve powers of ten, in the air above a floor.
-fn many_of_any_mass(seed: u64) -> Simulation {
-    let mut random = random(seed);
-    let count = 60 + (random() * 120.0) as u32;
-    let restitution = [0.0, 0.3, 0.5, 0.7, 0.9][(5.0 * random()) as usize];
-    let balls = (0..count).map(|k| {
-        let place = DVec2::new(15.0 + 28.0 * f64::from(k % 15), 15.0 + 28.0 * f64::from(k / 15));
-        let speed = DVec2::new(random() - 0.5, random() - 0.5) * 400.0;
-        let falls = moving(ball(place.x, place.y, 4.0 + 9.0 * random()), speed.x, speed.y);
-        of(falls, 10.0_f64.powf(12.0 * random() - 6.0), restitution)
-    });
-    simulation(world(424.0, 400.0, restitution).with_gravity(EARTH).unwrap(), balls.collect())
-}
-
 /// What sweeps over many pairs have not stopped went on, and light balls were pressed wholly into heavy ones; one that was turned
 /// round after its last hit went to the place of that, whoever was there. What stood where it had no room was ever faster there, and
 /// gave that back.
 #[test]
 fn many_balls_that_fall_go_far_into_none_of_any_mass_and_gain_no_energy() {
+    let rows = Rows {
+        count: (60, 120),
+        columns: 15,
+        places: (15.0, 28.0),
+        speeds: 400.0,
+        radii: (4.0, 9.0),
+        size: [424.0, 400.0],
+    };
     for seed in 0..24 {
-        let mut many = many_of_any_mass(seed);
+        let mut many = of_any_mass(seed, &rows);
         let first = energy(&many);
         let mut least = first;
         for frame in 0..480 {
