@@ -129,10 +129,11 @@ impl Simulation {
     ///
     /// With a smaller one `exact` follows more, and smaller, bounces: the hops that it leaves out are up to u²/2g high,
     /// a ball that bounces to rest does so up to 2u/g/(1 − e) seconds too early, hops of all balls, of mass M together,
-    /// add about ½Mu²/4 to the energy at most as a rule, and some ½Mu² where masses differ by many powers of ten or
-    /// balls are fixed, and the number of chattering impacts of balls that lie on each other grows as 1/u. Under gravity
-    /// stronger than the demo's 980 px/s² it takes u as larger in proportion; and it takes u as smaller where hops of
-    /// more than a hundredth of the smallest radius would be left out.
+    /// add about ½Mu²/4 to the energy at most as a rule, up to twice that where two dozen or more press on each other,
+    /// and some ½Mu² where masses differ by many powers of ten or balls are fixed, and the number of chattering impacts
+    /// of balls that lie on each other grows as 1/u. Under gravity stronger than the demo's 980 px/s² it takes u as
+    /// larger in proportion; and it takes u as smaller where hops of more than a hundredth of the smallest radius would
+    /// be left out.
     ///
     /// # Errors
     /// [`OutOfRange`] where the speed is not in the range of rest speeds.

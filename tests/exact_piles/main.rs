@@ -1,6 +1,7 @@
 //! Where balls lie on each other, are pressed together or begin in each other: how `exact` lays them to rest, and what wakes
 //! them. Most of these cases once took events without end.
 
+mod crowds;
 mod elastic;
 mod overlaps;
 mod piles;

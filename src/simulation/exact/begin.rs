@@ -9,6 +9,7 @@ use crate::simulation::invariants::free;
 use crate::simulation::world::{Pairs, World};
 
 use super::calendar::Calendar;
+use super::carry::Carry;
 use super::cells::Cells;
 use super::events::{CREEP, LONGEST_YEAR, MANY, SHORTEST_YEAR};
 use super::flights::{Flight, Marks, Matter};
@@ -63,6 +64,7 @@ impl Exact {
             credit: 0,
             beside: false,
             found: Vec::new(),
+            carry: Carry::new(hop_time(rest_speed, gravity)),
             propped: Vec::new(),
         };
         if exact.overlaps.is_none() && exact.matter.iter().all(|matter| *matter == exact.matter[0]) {

@@ -34,6 +34,8 @@ const EVENTS_PER_LOOK: u32 = 256;
 
 /// Why the events up to a time are not all taken yet.
 enum Pause {
+    /// A step is called for, perhaps before that time.
+    Called,
     /// The year ends at this time, s since it began: its origin must move on.
     NewYear(f64),
     /// The caller has no time for what comes at this time, s since the year began.
@@ -63,8 +65,19 @@ impl Exact {
         }
         loop {
             let target = self.until_it_ends(target);
-            match self.take_events::<N>(frame.tally, target.shown_since(self.origin), go_on) {
-                None => return target,
+            let step = self.carry.step_until(target);
+            let until = step.unwrap_or(target).shown_since(self.origin);
+            match self.take_events::<N>(frame.tally, until, go_on) {
+                None if step.is_none() => return target,
+                None => {
+                    if !self.has_time(go_on) {
+                        let before = self.origin.shown_before((until - INSTANT).max(0.0));
+                        return before.min(target).max(self.clock);
+                    }
+                    self.latest = self.latest.max(until);
+                    self.step::<N>(frame.tally, until);
+                }
+                Some(Pause::Called) => {}
                 Some(Pause::NewYear(time)) => {
                     self.begin_year(time);
                     if self.is_outrun() {
@@ -92,6 +105,9 @@ impl Exact {
                     return Some(Pause::Stopped(entry.time));
                 }
                 self.take::<N>(tally, entry);
+                if self.carry.is_just_called() {
+                    return Some(Pause::Called);
+                }
                 if self.calendar.is_crowded() || self.is_stuck() || self.has_just_pressed() {
                     return Some(Pause::NewYear(self.calendar.moment_before(entry.time)));
                 }

@@ -121,9 +121,10 @@ impl Matter {
 /// - 2, 3, 4 and 7: [`HIT`](Self::HIT), [`STRUCK`](Self::STRUCK), [`LEANS`](Self::LEANS) and [`HELD`](Self::HELD);
 /// - 5 and 6: the axis and the side of the [`border`](Self::border);
 /// - 8 to 11: [`quick_hits`](Self::quick_hits);
-/// - 12 to 15: [`chatter`](Self::chatter).
+/// - 12 to 15: [`chatter`](Self::chatter);
+/// - 16: [`CARRIED`](Self::CARRIED).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Marks(u16);
+pub(super) struct Marks(u32);
 
 impl Marks {
     /// It hit another ball, or touched it, since the last frame.
@@ -134,10 +135,12 @@ impl Marks {
     pub(super) const LEANS: Self = Self(16);
     /// It is held by others, and stands still (see `settle`).
     pub(super) const HELD: Self = Self(128);
+    /// It is carried by others, in steps (see `carry`).
+    pub(super) const CARRIED: Self = Self(1 << 16);
     /// As many quick hits as are counted, in four bits.
-    const MOST_QUICK: u16 = 15;
+    const MOST_QUICK: u32 = 15;
     /// As much chatter as is counted, in four bits.
-    pub(super) const MOST_CHATTER: u16 = 15;
+    pub(super) const MOST_CHATTER: u32 = 15;
 
     /// It rests on a wall across this axis.
     pub(super) fn rests_on(axis: usize) -> Self {
@@ -147,23 +150,23 @@ impl Marks {
     /// On which axes it rests, a bit each: a number from 0 to 3.
     #[inline]
     pub(super) fn rests(self) -> usize {
-        usize::from(self.0 & 3)
+        (self.0 & 3) as usize
     }
 
     /// The border of its cell that it crosses next, under gravity.
     #[inline]
     pub(super) fn border(self) -> Border {
-        Border { axis: usize::from(self.0 >> 5 & 1), up: self.0 >> 6 & 1 == 1 }
+        Border { axis: (self.0 >> 5 & 1) as usize, up: self.0 >> 6 & 1 == 1 }
     }
 
     #[inline]
     pub(super) fn set_border(&mut self, Border { axis, up }: Border) {
-        self.0 = self.0 & !0x60 | (axis as u16) << 5 | u16::from(up) << 6;
+        self.0 = self.0 & !0x60 | (axis as u32) << 5 | u32::from(up) << 6;
     }
 
     /// How many impacts it has had one soon after the other, up to [`MOST_QUICK`](Self::MOST_QUICK).
     #[inline]
-    pub(super) fn quick_hits(self) -> u16 {
+    pub(super) fn quick_hits(self) -> u32 {
         self.0 >> 8 & Self::MOST_QUICK
     }
 
@@ -176,8 +179,8 @@ impl Marks {
 
     /// How many impacts it has had in a row that were chatter, up to [`MOST_CHATTER`](Self::MOST_CHATTER).
     #[inline]
-    pub(super) fn chatter(self) -> u16 {
-        self.0 >> 12
+    pub(super) fn chatter(self) -> u32 {
+        self.0 >> 12 & Self::MOST_CHATTER
     }
 
     /// Notes whether an impact was chatter.
@@ -185,6 +188,17 @@ impl Marks {
     pub(super) fn note_chatter(&mut self, chatters: bool) {
         let hits = if chatters { (self.chatter() + 1).min(Self::MOST_CHATTER) } else { 0 };
         self.0 = self.0 & !(Self::MOST_CHATTER << 12) | hits << 12;
+    }
+
+    /// Whether it has chattered for half as long as what asks for its group.
+    pub(super) fn is_restless(self) -> bool {
+        2 * self.chatter() >= Self::MOST_CHATTER
+    }
+
+    /// The part of this along which nothing holds it.
+    pub(super) fn free_part(self, of: DVec2) -> DVec2 {
+        let free = |axis: usize| if self.has(Self::rests_on(axis)) { 0.0 } else { of[axis] };
+        DVec2::new(free(0), free(1))
     }
 
     /// Forgets the chatter so far.

@@ -1,11 +1,12 @@
 //! What comes next for a ball: the earliest of its impacts on walls and other balls (these in `meetings`), and of the
 //! borders that it crosses.
 
+use crate::simulation::clock::INSTANT;
 use crate::simulation::flight::{self, NEVER};
 use crate::simulation::lesser::lesser;
 
 use super::cells::Border;
-use super::flights::Against;
+use super::flights::{Against, Marks};
 use super::swept::Swept;
 use super::{Exact, Needs};
 
@@ -95,8 +96,12 @@ impl Exact {
     /// Foresees what comes next for a ball that is hidden, and does not meet others that are.
     #[inline]
     fn foresee_hidden<N: Needs>(&mut self, slot: usize, now: f64) {
+        // What is carried sets out anew in its next step, before this.
+        let carried = N::HOLDS && self.marks[slot].has(Marks::CARRIED);
+        let step = self.carry.next_since(self.origin).filter(|_| carried);
+        let until = step.map_or(NEVER, |step| step + 0.5 * INSTANT);
         let flight = &mut self.flights[slot];
-        (flight.impact, flight.against) = (NEVER, Against::NOTHING);
+        (flight.impact, flight.against) = (until, Against::NOTHING);
         self.find_next::<N>(slot, now, None);
     }
 

@@ -17,6 +17,8 @@ const LEAST_GIVEN: f64 = 0.3;
 const ROUNDS: usize = 12;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
 const FEW_CONTACTS: usize = 32;
+/// So many sweeps over all contacts are made, where no answer is found for all at once.
+const SWEEPS: usize = 300;
 
 /// A ball of a group.
 #[derive(Debug, Clone, Copy)]
@@ -57,7 +59,7 @@ pub(super) enum Support {
 }
 
 /// Balls that touch each other, directly or through others.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub(super) struct Group {
     pub(super) members: Vec<Member>,
     pub(super) inverse_masses: Vec<f64>,
@@ -121,6 +123,14 @@ impl Group {
         let theirs = if let Support::Member(other) = against { self.inverse_masses[other] } else { 0.0 };
         let give = self.inverse_masses[one] + theirs;
         self.contacts.push(Contact { one, against, normal, gap, give, push: 0.0, least: 0.0, pushes: false });
+    }
+
+    /// How many times as heavy the heaviest member is as the lightest.
+    pub(super) fn most_unlike(&self) -> f64 {
+        let lowest =
+            self.inverse_masses.iter().fold(f64::INFINITY, |low, &inverse_mass| low.min(inverse_mass));
+        let highest = self.inverse_masses.iter().fold(0.0_f64, |high, &inverse_mass| high.max(inverse_mass));
+        highest / lowest
     }
 
     /// Takes the approach from velocities, as impacts without restitution would in the end.
@@ -200,7 +210,7 @@ impl Group {
     }
 
     /// Twice their kinetic energy with these velocities.
-    fn energy(&self, velocities: &[DVec2]) -> f64 {
+    pub(super) fn energy(&self, velocities: &[DVec2]) -> f64 {
         let each = velocities.iter().zip(&self.inverse_masses);
         each.map(|(velocity, inverse_mass)| velocity.length_squared() / inverse_mass).sum()
     }
@@ -209,6 +219,37 @@ impl Group {
     pub(super) fn balance(&mut self, gravity: f64) -> usize {
         let precision = if self.contacts.len() <= FEW_CONTACTS { 1e-14 } else { 0.1 * UNBALANCED };
         relieve(&mut self.accelerations, &self.inverse_masses, &mut self.contacts, precision * gravity)
+    }
+
+    /// Looks for velocities with which each contact's members part as fast as they are to at least, and returns how many steps it
+    /// took.
+    pub(super) fn move_on(&mut self, enough: f64) -> usize {
+        relieve(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
+    }
+
+    /// The same, contact by contact (projected Gauss-Seidel): there may be more contacts than the members can answer to, as in
+    /// crystals.
+    pub(super) fn sweep_on(&mut self, enough: f64) -> usize {
+        let Self { velocities, inverse_masses, contacts, .. } = self;
+        for sweep in 1..=SWEEPS {
+            let mut largest = 0.0_f64;
+            for contact in &mut *contacts {
+                let change =
+                    (contact.push - contact.spare(velocities) / contact.give).max(0.0) - contact.push;
+                contact.push += change;
+                contact.apply(change, velocities, inverse_masses);
+                largest = largest.max(change.abs() * contact.give);
+            }
+            if largest <= enough {
+                return sweep;
+            }
+        }
+        SWEEPS
+    }
+
+    /// Whether they do, but for this.
+    pub(super) fn is_answered(&self, within: f64) -> bool {
+        self.contacts.iter().all(|contact| contact.spare(&self.velocities) > -within)
     }
 
     /// Chooses the members that stay: slow, in balance, and neither supported nor pressed by any but such as stay.
@@ -236,13 +277,13 @@ impl Group {
 }
 
 /// Solves the linear complementarity problem of the contacts: finds pushes, none of which pulls, that leave the
-/// members' motions without approach, and returns how many steps it took. At first all contacts push that do not part,
+/// members' motions without approach, and returns how many steps it took. At first all contacts push that do already, or do not part,
 /// then those that would pull do not, and those that approach do, and again (block pivoting; Portugal, Júdice & Vicente
 /// 1994).
 fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
     let mut steps = 0;
     for contact in &mut *contacts {
-        contact.pushes = contact.spare(motions) <= 0.0;
+        contact.pushes = contact.push > 0.0 || contact.spare(motions) <= 0.0;
     }
     for _ in 0..ROUNDS {
         contacts.sort_by_key(|contact| !contact.pushes);

@@ -34,7 +34,7 @@ const LEAST_HOP: f64 = 0.5;
 const BARELY: f64 = 1e-3;
 /// ... once so many hits came one soon after the other: a ball on the floor that is hit goes to and fro a few times
 /// between what hit it and the floor, and loses what it should.
-pub(super) const QUICK: u16 = 8;
+pub(super) const QUICK: u32 = 8;
 /// Balls that are wedged in are stopped all at once, with those that they touch, in one of so many events: impact by impact, a heavy
 /// one would take as many to stop on a light one as it is times as heavy.
 const STOPPED: usize = 64;
@@ -113,11 +113,12 @@ impl Exact {
         self.walls.is_some() && jams(self.size, radius).test(axis)
     }
 
-    /// Begins a new flight of a ball.
+    /// Begins a new flight of a ball, which is not carried any more unless whoever does it says so.
     #[inline]
     pub(super) fn set_out(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
         let soon = self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter_time;
         self.marks[slot].strike(soon);
+        self.marks[slot].set(Marks::CARRIED, false);
         let flight = &mut self.flights[slot];
         (flight.position, flight.velocity, flight.time) = (position, velocity, now);
     }
@@ -132,6 +133,9 @@ impl Exact {
         now: f64,
     ) {
         let (mut position, mut velocity) = self.state::<N>(slot, now);
+        if N::HOLDS && velocity[axis].abs() > FIRM * self.rest_speed {
+            velocity = self.throw_off(slot, velocity, now);
+        }
         let Matter { radius, mass, .. } = *self.matter::<N>(slot);
         let wall = if high { self.size[axis] - radius } else { radius };
         if (position[axis] - wall).abs() < AT_THE_WALL * self.size[axis] {
@@ -148,8 +152,10 @@ impl Exact {
         tally.wall_impulse[axis] += mass * (velocity[axis] - before);
         // That of an elastic wall says nothing: it would lose nothing either way.
         let counts = !chatters || self.wall_restitution(false) < 1.0;
+        let carried = self.marks[slot].has(Marks::CARRIED);
         self.set_out(slot, (position, velocity), now);
         let marks = &mut self.marks[slot];
+        marks.set(Marks::CARRIED, carried);
         marks.set(Marks::rests_on(axis), rests);
         if pressed && chatter_speed == 0.0 {
             // So long a hop is one of its own; what is pressed to the wall by others hits it sooner.
@@ -163,6 +169,13 @@ impl Exact {
         if long {
             self.settle::<N>(tally, slot, now);
         }
+    }
+
+    /// Ends that a ball is carried, if it is, and returns its velocity where that of its flight is this.
+    fn throw_off(&mut self, slot: usize, velocity: DVec2, now: f64) -> DVec2 {
+        let velocity = self.true_velocity(slot, velocity, self.since_middle(now));
+        self.marks[slot].set(Marks::CARRIED, false);
+        velocity
     }
 
     /// Whether a ball that hits a wall at this speed, px/s, where gravity presses it, stays there.
@@ -187,7 +200,7 @@ impl Exact {
 
     /// Takes the impact of two balls, and those that others which they touch have with them at this time.
     pub(super) fn collide<N: Needs>(&mut self, tally: &mut Tally, one: usize, other: usize, now: f64) {
-        let ((p1, v1), (p2, v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
+        let ((p1, mut v1), (p2, mut v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
         let mut meeting = Meeting { offset: p1 - p2, velocity: v1 - v2 };
         if meeting.offset == DVec2::ZERO {
             // Very near it.
@@ -199,6 +212,8 @@ impl Exact {
                     self.free::<N>(slot, now);
                 }
             }
+            (v1, v2) = (self.throw_off(one, v1, now), self.throw_off(other, v2, now));
+            meeting.velocity = v1 - v2;
         }
         let matter = |slot: usize| {
             let matter = *self.matter::<N>(slot);
@@ -239,8 +254,12 @@ impl Exact {
         for (slot, position, velocity, change, chatters) in
             [(one, p1, v1, c1, chatter.0), (other, p2, v2, c2, chatter.1)]
         {
+            let rests = self.marks[slot].rests();
             self.mark_hit::<N>(slot, change, leans, chatters);
+            // What is lifted off a wall flies: its velocity is no mean one.
+            let carried = self.marks[slot].has(Marks::CARRIED) && self.marks[slot].rests() == rests;
             self.set_out(slot, (position, velocity + change), now);
+            self.marks[slot].set(Marks::CARRIED, carried);
         }
         tally.impacts += 1;
         self.beside = false;

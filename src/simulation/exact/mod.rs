@@ -12,6 +12,7 @@
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
 //! - `settle`, `group`: how they come to rest on each other;
+//! - `carry`: how many go on that press on each other until then;
 //! - `pace`: whether there are more impacts than can be followed;
 //! - `pressing`: when it ends because balls press on each other, where `contact` holds these;
 //! - `cells`, `swept`, `calendar`: where balls are, and will be, and the queue;
@@ -19,6 +20,7 @@
 
 mod begin;
 mod calendar;
+mod carry;
 mod cells;
 mod events;
 mod flights;
@@ -42,6 +44,7 @@ use super::world::World;
 use super::{Advance, Frame, Part};
 pub(super) use begin::counted_rest_speed;
 use calendar::Calendar;
+use carry::Carry;
 use cells::Cells;
 use flights::{Flight, Marks, Matter};
 pub(super) use pace::Pace;
@@ -101,7 +104,7 @@ pub(super) struct Exact {
     /// How impacts keep pace, where it stops once they do not.
     pace: Option<Pace>,
     /// After so many impacts in a row that are chatter a ball has chattered for long.
-    long_chatter: u16,
+    long_chatter: u32,
     /// When it stops, where it does once something presses.
     pressing: Option<Pressing>,
     /// Whether a ball that was looked at since this was cleared touches another one.
@@ -112,6 +115,8 @@ pub(super) struct Exact {
     credit: i64,
     /// For each slot its place in the group that is looked at.
     found: Vec<u32>,
+    /// How balls are carried.
+    carry: Carry,
     /// Which held balls lean on which fixed ones.
     propped: Vec<(u32, u32)>,
 }
@@ -168,6 +173,7 @@ impl Exact {
         // their flights from there yet, which come out of a wall or another ball.
         let now = self.clock.shown_since(self.origin).max(self.latest);
         let lean = LEAN * self.chatter_time;
+        let since_middle = self.since_middle(now);
         for &(_, prop) in &self.propped {
             self.marks[prop as usize].set(Marks::HIT, true);
         }
@@ -177,6 +183,9 @@ impl Exact {
             let (flight, marks) = (&self.flights[slot], self.marks[slot]);
             (ball.position, ball.velocity) =
                 if N::HOLDS { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
+            if N::HOLDS {
+                ball.velocity = self.true_velocity(slot, ball.velocity, since_middle);
+            }
             // What is held, or has no room, rests along both axes.
             let leans = marks.has(Marks::LEANS) && (marks.rests() == 3 || now - flight.time < lean);
             let inside = self.overlaps.as_ref().is_some_and(|overlaps| !overlaps[slot].is_empty());

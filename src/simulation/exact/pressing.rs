@@ -6,7 +6,7 @@ use super::Exact;
 use super::begin::hop_time;
 
 /// After so many impacts in a row that are chatter something presses a ball.
-const PRESSES: u16 = 4;
+const PRESSES: u32 = 4;
 
 /// How the run ends once something presses: where the next substep begins.
 #[derive(Debug, Clone, Copy)]

@@ -30,14 +30,14 @@ const ABSORBENT: f64 = 0.9;
 /// The most balls of a group. Held ones beyond it count as immovable.
 const LARGEST: usize = 4096;
 /// How fast a ball leaves the wall that it rests on at least, in rest speeds.
-const LIFTED: f64 = 1e-3;
+pub(super) const LIFTED: f64 = 1e-3;
 /// Steps of conjugate gradients, over one contact, that are paid for with one event. They take about a hundredth of the
 /// time of that, so that the search for groups takes a third of all time at most.
-const STEPS_PER_EVENT: usize = 32;
+pub(super) const STEPS_PER_EVENT: usize = 32;
 /// So many times as much is paid for a search that finds nothing.
 const IN_VAIN: i64 = 4;
 /// So many events at one time and more say that balls that overlap have no room to part.
-const STUCK: usize = 1000;
+pub(super) const STUCK: usize = 1000;
 /// Balls that are in so many others each are no group that could rest: it would take long to find out.
 const MOST_CONTACTS: usize = 8;
 /// How near balls are that hop off each other, in squares of the hop's speed over gravity: a quarter of how far they hop.
@@ -45,13 +45,30 @@ const NEAR: f64 = 0.125;
 /// No place in a group.
 const NONE: u32 = u32::MAX;
 
+/// Which balls belong together.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Near {
+    /// How far they are from each other at most, px.
+    pub(super) touch: f64,
+    /// How slow beside each other those are that have not chattered, in rest speeds.
+    pub(super) slow: f64,
+}
+
 impl Exact {
     /// Stops the group of a ball that has chattered for long, and lays it to rest as far as it is in balance.
     pub(super) fn settle<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
-        if self.note_pressing(now) || self.credit < 0 {
+        let stuck = self.at_once > STUCK;
+        let waits = self.marks[slot].has(Marks::CARRIED) && !stuck;
+        if self.note_pressing(now) || self.credit < 0 || waits {
             return;
         }
-        let mut group = self.gather::<N>(slot, now);
+        let near = Near { touch: self.touch_distance(), slow: SLOW };
+        let mut group = self.gather::<N>(slot, now, near);
+        if !stuck && group.members.iter().any(|member| self.marks[member.slot].has(Marks::CARRIED)) {
+            // It is taken in in the next step.
+            self.credit -= group.members.len() as i64;
+            return;
+        }
         if group.contacts.len() > MOST_CONTACTS * group.members.len() {
             return self.give_up(&group);
         }
@@ -62,15 +79,20 @@ impl Exact {
             return self.give_up(&group);
         }
         let stopped = group.take_approach();
-        let (mut steps, mut by_walls) = (stopped.steps, stopped.by_walls);
+        let (mut steps, mut by_walls, mut carry) = (stopped.steps, stopped.by_walls, false);
         if self.gravity != DVec2::ZERO {
             let gravity = self.gravity.length();
             steps += group.balance(gravity);
-            group.choose(gravity, self.rest_speed, self.at_once > STUCK);
-            // Gravity would press them on each other again at once.
-            let hop = self.least_hop(0.0);
-            let parted = group.part_unlike(hop, NEAR * hop * hop / gravity, stopped.taken);
-            (steps, by_walls) = (steps + parted.steps, by_walls + parted.by_walls);
+            group.choose(gravity, self.rest_speed, stuck);
+            carry = self.may_be_carried(&group) && group.members.iter().any(|member| !member.stays);
+            if carry {
+                self.call_step(now);
+            } else {
+                // Gravity would press them on each other again at once.
+                let hop = self.least_hop(0.0);
+                let parted = group.part_unlike(hop, NEAR * hop * hop / gravity, stopped.taken);
+                (steps, by_walls) = (steps + parted.steps, by_walls + parted.by_walls);
+            }
         }
         tally.wall_impulse += by_walls;
         let cost = (group.members.len() + steps * group.contacts.len() / STEPS_PER_EVENT) as i64;
@@ -105,7 +127,11 @@ impl Exact {
                     velocity[axis] = if lifted { velocity[axis] } else { 0.0 };
                 }
             }
+            if carry && self.marks[slot].rests() == 0 {
+                velocity += self.gravity * self.since_middle(now);
+            }
             self.set_out(slot, (position, velocity), now);
+            self.marks[slot].set(Marks::CARRIED, carry && !stays);
             self.foresee::<N>(slot, now);
         }
         self.note_leaning(&group);
@@ -118,7 +144,7 @@ impl Exact {
     }
 
     /// Notes which balls that are held are shown as touching others.
-    fn note_leaning(&mut self, group: &Group) {
+    pub(super) fn note_leaning(&mut self, group: &Group) {
         let held = |index: usize| Some(&group.members[index]).filter(|member| member.stays);
         for contact in group.contacts.iter().filter(|contact| contact.push > 0.0) {
             let Some(one) = held(contact.one) else { continue };
@@ -137,20 +163,20 @@ impl Exact {
     }
 
     /// How near balls are that touch, px: twice as far as one at the rest speed hops from another.
-    fn touch_distance(&self) -> f64 {
+    pub(super) fn touch_distance(&self) -> f64 {
         (0.5 * self.rest_speed * self.chatter_time).min(self.chatter_length)
     }
 
-    /// The balls that touch a ball, those that touch these and so on, as far as they are slow beside each other.
-    fn gather<N: Needs>(&mut self, slot: usize, now: f64) -> Group {
+    /// The balls that touch a ball, those that touch these and so on, as far as they belong together.
+    pub(super) fn gather<N: Needs>(&mut self, slot: usize, now: f64, near: Near) -> Group {
+        let Near { touch, slow } = near;
         let mut group = Group { absorbs: self.wedged(), ..Group::default() };
         let mut found = std::mem::take(&mut self.found);
         found.resize(self.flights.len(), NONE);
-        let touch = self.touch_distance();
         let add = |group: &mut Group, slot: usize| {
             group.add(slot, self.state::<N>(slot, now), self.matter::<N>(slot).mass, self.gravity) as u32
         };
-        let restless = |slot: usize| 2 * self.marks[slot].chatter() >= Marks::MOST_CHATTER;
+        let restless = |slot: usize| self.marks[slot].is_restless() || self.marks[slot].has(Marks::CARRIED);
         found[slot] = add(&mut group, slot);
         let mut at = 0;
         while at < group.members.len() {
@@ -186,7 +212,7 @@ impl Exact {
                     let speed = (group.velocities[at] - their_velocity).dot(normal).abs();
                     let rattles = self.rattles::<N>(one, slot) || self.rattles::<N>(slot, one);
                     let joins =
-                        held || self.wedged() || restless(slot) || rattles || speed < SLOW * self.rest_speed;
+                        held || self.wedged() || restless(slot) || rattles || speed < slow * self.rest_speed;
                     if joins && group.members.len() < LARGEST {
                         found[slot] = add(&mut group, slot);
                     } else if !held {
@@ -219,7 +245,7 @@ impl Exact {
     }
 
     /// Ends the hold on a ball; whoever does it lets it set out, and finds out what comes next.
-    fn let_go<N: Needs>(&mut self, slot: usize) {
+    pub(super) fn let_go<N: Needs>(&mut self, slot: usize) {
         let radius = self.matter::<N>(slot).radius;
         for axis in 0..2 {
             let jams = self.jams(radius, axis);
