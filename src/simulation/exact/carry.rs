@@ -277,7 +277,7 @@ impl Exact {
         }
         let half_kick = self.gravity * (0.5 * self.carry.step());
         let each = group.members.iter().zip(&group.velocities).zip(pushed);
-        for ((&Member { slot, position, stays, .. }, &velocity), pushed) in each.clone() {
+        for ((&Member { slot, position, stays, .. }, &velocity), pushed) in each {
             let held = self.marks[slot].has(Marks::HELD);
             self.marks[slot].calm_down();
             if held && stays {
