@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::cholesky::Cholesky;
+use super::cholesky::{Cholesky, Skyline};
 
 /// A ball that takes part.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -146,7 +146,7 @@ impl<'a> Impulses<'a> {
         let mut pushing: Vec<usize> = (0..self.list.len()).filter(|&at| self.list[at] > 0.0).collect();
         while !pushing.is_empty() {
             let shorts = pushing.iter().map(|&at| self.short(at, bodies)).collect();
-            let changes = Cholesky::new(self.gives(&pushing, bodies), pushing.len()).solve(shorts);
+            let changes = Cholesky::new(self.gives(&pushing, bodies)).solve(shorts);
             if !changes.iter().all(|change| change.is_finite()) {
                 return;
             }
@@ -163,17 +163,17 @@ impl<'a> Impulses<'a> {
         }
     }
 
-    /// By how much each of these contacts' balls part faster for each of these impulses, row by row, up to the diagonal.
-    fn gives(&self, pushing: &[usize], bodies: &[Body]) -> Vec<f64> {
-        let mut gives = Vec::with_capacity(pushing.len() * (pushing.len() + 1) / 2);
-        for (row, &at) in pushing.iter().enumerate() {
+    /// By how much each of these contacts' balls part faster for each of these impulses.
+    fn gives(&self, pushing: &[usize], bodies: &[Body]) -> Skyline {
+        let mut gives = Skyline::default();
+        for &at in pushing {
             let one = &self.contacts[at];
-            gives.extend(pushing[..=row].iter().map(|&other| {
+            for (give, &other) in gives.add_row(0).iter_mut().zip(pushing) {
                 let other = &self.contacts[other];
                 let shares = [one.first, one.second]
                     .map(|body| one.side(body) * other.side(body) * bodies[body].inverse_mass);
-                one.offset.dot(other.offset) * (shares[0] + shares[1])
-            }));
+                *give = one.offset.dot(other.offset) * (shares[0] + shares[1]);
+            }
         }
         gives
     }
