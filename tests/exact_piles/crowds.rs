@@ -36,13 +36,13 @@ fn a_crowd_that_presses_settles_in_few_events_and_gains_no_energy_and_overlaps_n
 fn a_crowd_that_presses_is_the_same_to_the_last_bit_however_time_is_cut_into_frames() {
     let mut at_once = crowd(4);
     let (mut in_frames, mut cut) = (at_once.clone(), at_once.clone());
-    at_once.advance(3.0).unwrap();
-    for _ in 0..180 {
+    at_once.advance(2.0).unwrap();
+    for _ in 0..120 {
         in_frames.advance(1.0 / 60.0).unwrap();
     }
     let mut cuts = 0;
-    while cut.time() < 3.0 {
-        let left = 3.0 - cut.time();
+    while cut.time() < 2.0 {
+        let left = 2.0 - cut.time();
         cuts += u32::from(cut.advance_while(left, || false).unwrap() < left);
     }
     assert!(cuts > 100 && fastest(&at_once) > 0.0, "{cuts} cuts");

@@ -15,8 +15,9 @@ use glam::DVec2;
 use crate::simulation::Tally;
 use crate::simulation::clock::Clock;
 
+use super::contacts::{Contact, Support};
 use super::flights::Marks;
-use super::group::{Contact, Group, Member, Support};
+use super::group::{Group, Member};
 use super::settle::{LIFTED, Near, STEPS_PER_EVENT, STUCK};
 use super::{Exact, Needs};
 
@@ -30,11 +31,9 @@ const UNLIKE: f64 = 1000.0;
 const KEPT_APART: f64 = 0.5;
 /// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: more than what
 /// the velocities are wrong by takes away.
-const APART: f64 = 1e-3;
+const APART: f64 = 0.1;
 /// How exactly velocities are found, as a part of what gravity gives in a step.
 const PRECISION: f64 = 1e-4;
-/// Velocities that are wrong by so many times that say that there is no answer, as where a row has no room between walls.
-const NO_ANSWER: f64 = 10.0;
 /// Steps from one search for forces that balance gravity to the next.
 const STEPS_PER_SEARCH: u64 = 8;
 
@@ -163,7 +162,7 @@ impl Exact {
             let moves = !(seen[slot] || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed());
             if moves && (marks.has(Marks::CARRIED) || marks.is_restless()) {
                 let touch = self.rest_speed * self.chatter_time;
-                let group = self.gather::<N>(slot, now, Near { touch, slow: 1.0 });
+                let group = self.gather::<N>(slot, now, Near { touch, slow: 1.0, alone: false });
                 group.members.iter().for_each(|member| seen[member.slot] = true);
                 self.step_group::<N>(tally, group, now, &mut pushes);
             }
@@ -214,8 +213,7 @@ impl Exact {
     }
 
     /// Finds the velocities with which a group's balls stay apart until the next step, starting from what their contacts pushed in
-    /// the last one, and returns whether there are any: for all contacts at once or else, where these are more than the balls can
-    /// answer to, as nearly as sweeps find them; what is left of approaches then, impacts see to.
+    /// the last one, and returns whether there are any. What is left of approaches impacts see to.
     fn find_velocities(&mut self, group: &mut Group) -> bool {
         let step = self.carry.step();
         let (apart, enough) =
@@ -224,22 +222,18 @@ impl Exact {
             contact.least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(0.5 * self.rest_speed);
         }
         let kicked = group.velocities.clone();
-        for direct in [true, false] {
-            group.velocities.clone_from(&kicked);
-            for contact in &mut group.contacts {
-                contact.push = self.carry.push(key(&group.members, contact));
-                contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
-            }
-            let steps = if direct { group.move_on(enough) } else { group.sweep_on(enough) };
-            self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
-            // Where no answer was found, not even that they lose energy is sure. A comparison that is false for a NaN.
-            let loses = group.energy(&group.velocities) <= group.energy(&kicked);
-            if loses && (!direct || group.is_answered(NO_ANSWER * enough)) {
-                return true;
-            }
+        for contact in &mut group.contacts {
+            contact.push = self.carry.push(key(&group.members, contact));
+            contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
         }
-        group.velocities = kicked;
-        false
+        let steps = group.move_on(enough);
+        self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
+        // A comparison that is false for a NaN.
+        let loses = group.energy(&group.velocities) <= group.energy(&kicked);
+        if !loses {
+            group.velocities = kicked;
+        }
+        loses
     }
 
     /// Chooses the members of a group that are held from now on, by how their velocities changed, and now and then, since what

@@ -3,6 +3,8 @@
 
 use glam::DVec2;
 
+use super::contacts::{Contact, Support, descend, energy, pivot};
+
 /// The part of gravity that may be left unbalanced on a ball that is held: as if there were so much friction.
 const UNBALANCED: f64 = 1e-3;
 /// The part of the approach that may be left when it is taken: what is left, the next impacts see to.
@@ -13,12 +15,8 @@ pub(super) const RATTLER: f64 = 20.0;
 /// The part of the energy with which all of a group would hop that its balls are given to part, if less was taken from them: with
 /// a twentieth some take ten times as many impacts, and with all of it what they gain in the end is seen.
 const LEAST_GIVEN: f64 = 0.3;
-/// How often it is tried to find those contacts that push.
-const ROUNDS: usize = 12;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
 const FEW_CONTACTS: usize = 32;
-/// So many sweeps over all contacts are made, where no answer is found for all at once.
-const SWEEPS: usize = 300;
 
 /// A ball of a group.
 #[derive(Debug, Clone, Copy)]
@@ -28,34 +26,6 @@ pub(super) struct Member {
     /// It overlaps another by more than rounding.
     pub(super) deep: bool,
     pub(super) stays: bool,
-}
-
-/// Two members that touch, or one and what nothing moves.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Contact {
-    pub(super) one: usize,
-    pub(super) against: Support,
-    /// The unit vector to the one.
-    pub(super) normal: DVec2,
-    /// What is between the two, px; below 0 they overlap.
-    pub(super) gap: f64,
-    /// The sum of the inverse masses.
-    pub(super) give: f64,
-    /// The force, or the momentum, that each gives to the other.
-    pub(super) push: f64,
-    /// How fast the two are to part at least, px/s.
-    pub(super) least: f64,
-    /// Whether there is to be no other relative motion along the contact; else there is no push.
-    pub(super) pushes: bool,
-}
-
-/// What a member touches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Support {
-    Member(usize),
-    Wall,
-    /// A ball that counts as immovable, by its slot.
-    Immovable(usize),
 }
 
 /// Balls that touch each other, directly or through others.
@@ -80,27 +50,6 @@ pub(super) struct Change {
     pub(super) taken: f64,
     /// The momentum that walls gave.
     pub(super) by_walls: DVec2,
-}
-
-impl Contact {
-    /// How fast the two part, or are driven apart.
-    pub(super) fn parting(&self, motions: &[DVec2]) -> f64 {
-        let other = if let Support::Member(other) = self.against { motions[other] } else { DVec2::ZERO };
-        (motions[self.one] - other).dot(self.normal)
-    }
-
-    /// The same beyond what they are to.
-    fn spare(&self, motions: &[DVec2]) -> f64 {
-        self.parting(motions) - self.least
-    }
-
-    /// Changes the motions of the two by a push.
-    pub(super) fn apply(&self, push: f64, motions: &mut [DVec2], inverse_masses: &[f64]) {
-        motions[self.one] += self.normal * (push * inverse_masses[self.one]);
-        if let Support::Member(other) = self.against {
-            motions[other] -= self.normal * (push * inverse_masses[other]);
-        }
-    }
 }
 
 impl Group {
@@ -138,7 +87,7 @@ impl Group {
         let approaches = self.contacts.iter().map(|contact| -contact.parting(&self.velocities));
         let most = approaches.fold(0.0, f64::max);
         let (mut velocities, mut contacts) = (self.velocities.clone(), self.contacts.clone());
-        let steps = relieve(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * most);
+        let steps = pivot(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * most);
         // Where no answer was found, not even that they lose energy is sure, nor that there is one.
         let taken = self.energy(&self.velocities) - self.energy(&velocities);
         // A comparison that is false where a jam has made a NaN of it.
@@ -170,7 +119,7 @@ impl Group {
         if !found {
             return Change::default();
         }
-        let steps = relieve(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * least);
+        let steps = pivot(&mut velocities, &self.inverse_masses, &mut contacts, PRECISION * least);
         // Where no answer was found, there is none.
         let found = contacts.iter().all(|contact| contact.spare(&velocities) > -0.5 * least);
         if !found {
@@ -211,45 +160,35 @@ impl Group {
 
     /// Twice their kinetic energy with these velocities.
     pub(super) fn energy(&self, velocities: &[DVec2]) -> f64 {
-        let each = velocities.iter().zip(&self.inverse_masses);
-        each.map(|(velocity, inverse_mass)| velocity.length_squared() / inverse_mass).sum()
+        energy(velocities, &self.inverse_masses)
     }
 
     /// Looks for forces that balance gravity, and returns how many steps it took.
     pub(super) fn balance(&mut self, gravity: f64) -> usize {
         let precision = if self.contacts.len() <= FEW_CONTACTS { 1e-14 } else { 0.1 * UNBALANCED };
-        relieve(&mut self.accelerations, &self.inverse_masses, &mut self.contacts, precision * gravity)
+        pivot(&mut self.accelerations, &self.inverse_masses, &mut self.contacts, precision * gravity)
     }
 
-    /// Looks for velocities with which each contact's members part as fast as they are to at least, and returns how many steps it
-    /// took.
+    /// Looks for velocities with which each contact's members part as fast as they are to at least, from what contacts push
+    /// already, and returns how many steps it took.
     pub(super) fn move_on(&mut self, enough: f64) -> usize {
-        relieve(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
+        self.line_up();
+        descend(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
     }
 
-    /// The same, contact by contact (projected Gauss-Seidel): there may be more contacts than the members can answer to, as in
-    /// crystals.
-    pub(super) fn sweep_on(&mut self, enough: f64) -> usize {
-        let Self { velocities, inverse_masses, contacts, .. } = self;
-        for sweep in 1..=SWEEPS {
-            let mut largest = 0.0_f64;
-            for contact in &mut *contacts {
-                let change =
-                    (contact.push - contact.spare(velocities) / contact.give).max(0.0) - contact.push;
-                contact.push += change;
-                contact.apply(change, velocities, inverse_masses);
-                largest = largest.max(change.abs() * contact.give);
-            }
-            if largest <= enough {
-                return sweep;
-            }
-        }
-        SWEEPS
-    }
-
-    /// Whether they do, but for this.
-    pub(super) fn is_answered(&self, within: f64) -> bool {
-        self.contacts.iter().all(|contact| contact.spare(&self.velocities) > -within)
+    /// Puts contacts into the order of their places along the group's longer side: those that have a member in common are near
+    /// each other then.
+    fn line_up(&mut self) {
+        let positions = || self.members.iter().map(|member| member.position);
+        let size =
+            positions().fold(DVec2::NEG_INFINITY, DVec2::max) - positions().fold(DVec2::INFINITY, DVec2::min);
+        let axis = usize::from(size.y > size.x);
+        let place = |member: usize| self.members[member].position[axis];
+        let middle = |contact: &Contact| match contact.against {
+            Support::Member(other) => 0.5 * (place(contact.one) + place(other)),
+            Support::Wall | Support::Immovable(_) => place(contact.one),
+        };
+        self.contacts.sort_by(|one, other| middle(one).total_cmp(&middle(other)));
     }
 
     /// Chooses the members that stay: slow, in balance, and neither supported nor pressed by any but such as stay.
@@ -274,75 +213,6 @@ impl Group {
             }
         }
     }
-}
-
-/// Solves the linear complementarity problem of the contacts: finds pushes, none of which pulls, that leave the
-/// members' motions without approach, and returns how many steps it took. At first all contacts push that do already, or do not part,
-/// then those that would pull do not, and those that approach do, and again (block pivoting; Portugal, Júdice & Vicente
-/// 1994).
-fn relieve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
-    let mut steps = 0;
-    for contact in &mut *contacts {
-        contact.pushes = contact.push > 0.0 || contact.spare(motions) <= 0.0;
-    }
-    for _ in 0..ROUNDS {
-        contacts.sort_by_key(|contact| !contact.pushes);
-        let pushing = contacts.partition_point(|contact| contact.pushes);
-        steps += 1 + solve(motions, inverse_masses, &mut contacts[..pushing], enough);
-        let mut found = true;
-        for contact in &mut *contacts {
-            if contact.push < 0.0 {
-                contact.apply(-contact.push, motions, inverse_masses);
-                (contact.push, contact.pushes, found) = (0.0, false, false);
-            }
-        }
-        for contact in &mut contacts[pushing..] {
-            if contact.spare(motions) < -enough {
-                (contact.pushes, found) = (true, false);
-            }
-        }
-        if found {
-            break;
-        }
-    }
-    steps
-}
-
-/// Finds the pushes after which there is no relative motion along any contact, up to `enough`, from those that there
-/// are, by preconditioned conjugate gradients (Hestenes & Stiefel 1952), and returns how many steps it took.
-fn solve(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact], enough: f64) -> usize {
-    let most = 2 * contacts.len() + 20;
-    let mut residuals: Vec<f64> = contacts.iter().map(|contact| -contact.spare(motions)).collect();
-    let mut directions = vec![0.0; contacts.len()];
-    let mut moved = vec![DVec2::ZERO; motions.len()];
-    let mut before = f64::INFINITY;
-    for taken in 0..most {
-        if residuals.iter().all(|residual| residual.abs() <= enough) {
-            return taken;
-        }
-        let squares =
-            contacts.iter().zip(&residuals).map(|(contact, residual)| residual * residual / contact.give);
-        let square = squares.sum::<f64>();
-        moved.fill(DVec2::ZERO);
-        for ((contact, residual), direction) in contacts.iter().zip(&residuals).zip(&mut directions) {
-            *direction = residual / contact.give + square / before * *direction;
-            contact.apply(*direction, &mut moved, inverse_masses);
-        }
-        before = square;
-        let curvatures =
-            contacts.iter().zip(&directions).map(|(contact, direction)| contact.parting(&moved) * direction);
-        let curvature = curvatures.sum::<f64>();
-        if curvature <= 0.0 {
-            return taken;
-        }
-        let step = square / curvature;
-        for ((contact, residual), direction) in contacts.iter_mut().zip(&mut residuals).zip(&directions) {
-            contact.push += step * direction;
-            *residual -= step * contact.parting(&moved);
-        }
-        motions.iter_mut().zip(&moved).for_each(|(motion, moved)| *motion += *moved * step);
-    }
-    most
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ mod begin;
 mod calendar;
 mod carry;
 mod cells;
+mod contacts;
 mod events;
 mod flights;
 mod foresee;
