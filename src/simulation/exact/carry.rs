@@ -29,8 +29,8 @@ const FEWEST: usize = 24;
 const UNLIKE: f64 = 1000.0;
 /// The part of what is between two balls that is left after a step at least.
 const KEPT_APART: f64 = 0.5;
-/// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: more than what
-/// the velocities are wrong by takes away.
+/// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: the nearer they are, the
+/// more often they hit each other once a blow has made them faster.
 const APART: f64 = 0.1;
 /// How exactly velocities are found, as a part of what gravity gives in a step.
 const PRECISION: f64 = 1e-4;
