@@ -82,13 +82,11 @@ impl Contact {
     }
 }
 
-/// Puts first those contacts that push already, or whose members do not part, and returns how many these are.
-fn put_pushing_first(motions: &[DVec2], contacts: &mut [Contact]) -> usize {
-    for contact in &mut *contacts {
+/// Notes which contacts push already, or their members do not part.
+fn note_pushing(motions: &[DVec2], contacts: &mut [Contact]) {
+    for contact in contacts {
         contact.pushes = contact.push > 0.0 || contact.spare(motions) <= 0.0;
     }
-    contacts.sort_by_key(|contact| !contact.pushes);
-    contacts.partition_point(|contact| contact.pushes)
 }
 
 /// Solves the linear complementarity problem of the contacts: finds pushes, none of which pulls, that leave the
@@ -102,8 +100,10 @@ pub(super) fn pivot(
     enough: f64,
 ) -> usize {
     let mut steps = 0;
-    let mut pushing = put_pushing_first(motions, contacts);
+    note_pushing(motions, contacts);
     for _ in 0..ROUNDS {
+        contacts.sort_by_key(|contact| !contact.pushes);
+        let pushing = contacts.partition_point(|contact| contact.pushes);
         steps += 1 + solve(motions, inverse_masses, &mut contacts[..pushing], enough, usize::MAX);
         let mut found = true;
         for contact in &mut *contacts {
@@ -120,8 +120,6 @@ pub(super) fn pivot(
         if found {
             break;
         }
-        contacts.sort_by_key(|contact| !contact.pushes);
-        pushing = contacts.partition_point(|contact| contact.pushes);
     }
     steps
 }
@@ -144,8 +142,12 @@ pub(super) fn descend(
         if largest <= enough {
             break;
         }
-        let pushing = put_pushing_first(motions, contacts);
-        steps += step_down(motions, inverse_masses, &mut contacts[..pushing], enough, &mut softness);
+        note_pushing(motions, contacts);
+        // These stay in their order, and so do all.
+        let mut pushing: Vec<Contact> = contacts.iter().filter(|contact| contact.pushes).copied().collect();
+        steps += step_down(motions, inverse_masses, &mut pushing, enough, &mut softness);
+        let pushed = contacts.iter_mut().filter(|contact| contact.pushes);
+        pushed.zip(pushing).for_each(|(contact, pushing)| contact.push = pushing.push);
     }
     steps
 }
@@ -184,20 +186,23 @@ fn step_down(
         motions.copy_from_slice(&start);
         (pushes(contacts), steps)
     };
-    let value = |motions: &[DVec2], pushes: &[f64], contacts: &[Contact]| {
-        let given = contacts.iter().zip(pushes).map(|(contact, push)| contact.least * push).sum::<f64>();
-        0.5 * energy(motions, inverse_masses) - given
+    let gained = |motions: &[DVec2]| {
+        let each = motions.iter().zip(&start).zip(inverse_masses);
+        let gained = each
+            .map(|((now, before), inverse_mass)| 0.5 * (*now - *before).dot(*now + *before) / inverse_mass);
+        gained.sum::<f64>()
     };
-    let most = value(motions, &before, contacts);
     let mut part = 1.0;
     for _ in 0..SHORTENED {
         let part_way =
             before.iter().zip(&goal).map(|(before, goal)| (before + part * (goal - before)).max(0.0));
         let part_way: Vec<f64> = part_way.collect();
+        let mut given = 0.0;
         for ((contact, push), before) in contacts.iter().zip(&part_way).zip(&before) {
             contact.apply(push - before, motions, inverse_masses);
+            given += contact.least * (push - before);
         }
-        if value(motions, &part_way, contacts) < most {
+        if gained(motions) < given {
             contacts.iter_mut().zip(part_way).for_each(|(contact, push)| contact.push = push);
             let changed = if part == 1.0 { 1.0 / SOFTER } else { SOFTER };
             *softness = (*softness * changed).clamp(LEAST_SOFTNESS, MOST_SOFTNESS);
@@ -209,12 +214,6 @@ fn step_down(
     contacts.iter_mut().zip(before).for_each(|(contact, push)| contact.push = push);
     *softness = (*softness * SOFTER).min(MOST_SOFTNESS);
     steps
-}
-
-/// Twice the kinetic energy of balls with these velocities.
-pub(super) fn energy(velocities: &[DVec2], inverse_masses: &[f64]) -> f64 {
-    let each = velocities.iter().zip(inverse_masses);
-    each.map(|(velocity, inverse_mass)| velocity.length_squared() / inverse_mass).sum()
 }
 
 /// The factors of how contacts' members part for their pushes, where these do not take long to find, and how many steps of conjugate

@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use super::contacts::{Contact, Support, descend, energy, pivot};
+use super::contacts::{Contact, Support, descend, pivot};
 
 /// The part of gravity that may be left unbalanced on a ball that is held: as if there were so much friction.
 const UNBALANCED: f64 = 1e-3;
@@ -160,7 +160,8 @@ impl Group {
 
     /// Twice their kinetic energy with these velocities.
     pub(super) fn energy(&self, velocities: &[DVec2]) -> f64 {
-        energy(velocities, &self.inverse_masses)
+        let each = velocities.iter().zip(&self.inverse_masses);
+        each.map(|(velocity, inverse_mass)| velocity.length_squared() / inverse_mass).sum()
     }
 
     /// Looks for forces that balance gravity, and returns how many steps it took.
