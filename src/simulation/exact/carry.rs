@@ -30,8 +30,8 @@ const UNLIKE: f64 = 1000.0;
 /// The part of what is between two balls that is left after a step at least.
 const KEPT_APART: f64 = 0.5;
 /// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: the nearer they are, the
-/// more often they hit each other once a blow has made them faster.
-const APART: f64 = 0.1;
+/// more often they hit each other once a blow has made them faster, and the farther, the more is a crowd lifted.
+const APART: f64 = 0.01;
 /// How exactly velocities are found, as a part of what gravity gives in a step.
 const PRECISION: f64 = 1e-4;
 /// Steps from one search for forces that balance gravity to the next.
@@ -162,7 +162,7 @@ impl Exact {
             let moves = !(seen[slot] || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed());
             if moves && (marks.has(Marks::CARRIED) || marks.is_restless()) {
                 let touch = self.rest_speed * self.chatter_time;
-                let group = self.gather::<N>(slot, now, Near { touch, slow: 1.0, alone: false });
+                let group = self.gather::<N>(slot, now, Near { touch, slow: 1.0, up_to_carried: false });
                 group.members.iter().for_each(|member| seen[member.slot] = true);
                 self.step_group::<N>(tally, group, now, &mut pushes);
             }
@@ -185,15 +185,13 @@ impl Exact {
             return self.leave_alone::<N>(tally, &group, now);
         }
         let means = self.kick(&mut group);
-        if !self.find_velocities(&mut group) {
+        let Some(by_walls) = self.find_velocities(&mut group) else {
             return self.leave_alone::<N>(tally, &group, now);
-        }
+        };
+        tally.wall_impulse += by_walls;
         self.choose_held(&mut group, &means, now);
         for contact in group.contacts.iter().filter(|contact| contact.push > 0.0) {
             pushes.push((key(&group.members, contact), contact.push));
-            if contact.against == Support::Wall {
-                tally.wall_impulse += contact.normal * contact.push;
-            }
         }
         self.carry_on::<N>(&group, now);
         self.note_leaning(&group);
@@ -213,8 +211,9 @@ impl Exact {
     }
 
     /// Finds the velocities with which a group's balls stay apart until the next step, starting from what their contacts pushed in
-    /// the last one, and returns whether there are any. What is left of approaches impacts see to.
-    fn find_velocities(&mut self, group: &mut Group) -> bool {
+    /// the last one, and returns the momentum that walls give, if there are any velocities that take energy: what is nearer than it is
+    /// kept parts, or where that has no room, or takes none, does at least not come nearer. What is left of approaches impacts see to.
+    fn find_velocities(&mut self, group: &mut Group) -> Option<DVec2> {
         let step = self.carry.step();
         let (apart, enough) =
             (APART * self.gravity.length() * step * step, PRECISION * self.gravity.length() * step);
@@ -222,18 +221,25 @@ impl Exact {
             contact.least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(0.5 * self.rest_speed);
         }
         let kicked = group.velocities.clone();
-        for contact in &mut group.contacts {
-            contact.push = self.carry.push(key(&group.members, contact));
-            contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
+        for most in [f64::INFINITY, 0.0] {
+            group.velocities.clone_from(&kicked);
+            for contact in &mut group.contacts {
+                contact.least = contact.least.min(most);
+                contact.push = self.carry.push(key(&group.members, contact));
+                contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
+            }
+            let steps = group.move_on(enough);
+            self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
+            // A comparison that is false for a NaN.
+            if group.energy(&group.velocities) <= group.energy(&kicked) {
+                let found = std::mem::replace(&mut group.velocities, kicked);
+                let by_walls = group.by_walls(&found, &group.contacts, 1.0);
+                group.velocities = found;
+                return Some(by_walls);
+            }
         }
-        let steps = group.move_on(enough);
-        self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
-        // A comparison that is false for a NaN.
-        let loses = group.energy(&group.velocities) <= group.energy(&kicked);
-        if !loses {
-            group.velocities = kicked;
-        }
-        loses
+        group.velocities = kicked;
+        None
     }
 
     /// Chooses the members of a group that are held from now on, by how their velocities changed, and now and then, since what

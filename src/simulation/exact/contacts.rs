@@ -18,12 +18,12 @@ const LEAST_SOFTNESS: f64 = 1e-12;
 const MOST_SOFTNESS: f64 = 1e-2;
 /// ... by so many times each time.
 const SOFTER: f64 = 100.0;
-/// They are not where each has, on average, more than the root of so many before it, back to the first that it shares a ball with: it
-/// would take longer than steps of conjugate gradients ...
+/// Each contact has so many before it, back to the first that it shares a ball with. Where their mean square is larger than this, steps
+/// of conjugate gradients take less time ...
 const MOST_SQUARE: usize = 1 << 12;
 /// ... of which so many are made then at most.
 const MOST_STEPS: usize = 100;
-/// So many of those before a contact, squared, take as long as such a step for one contact.
+/// This mean square takes as long as one such step.
 const SQUARE_PER_STEP: usize = 1 << 5;
 
 /// Two members that touch, or one and what nothing moves.
@@ -166,8 +166,8 @@ fn sweep(motions: &mut [DVec2], inverse_masses: &[f64], contacts: &mut [Contact]
 }
 
 /// Goes as far to where there is no relative motion along any of these contacts as none of them pulls, and as energy, less what
-/// contacts give that are to part, falls by it. Where that is not all the way contacts are softer the next time: they may be more than
-/// their balls can answer to.
+/// contacts give that are to part, falls by it. Where that is not all the way contacts are softer the next time, as where they are more
+/// than their balls can answer to.
 fn step_down(
     motions: &mut [DVec2],
     inverse_masses: &[f64],
@@ -176,34 +176,33 @@ fn step_down(
     softness: &mut f64,
 ) -> usize {
     let pushes = |contacts: &[Contact]| -> Vec<f64> { contacts.iter().map(|contact| contact.push).collect() };
-    let (start, before) = (motions.to_vec(), pushes(contacts));
+    let spares = |motions: &[DVec2], contacts: &[Contact]| -> Vec<f64> {
+        contacts.iter().map(|contact| contact.spare(motions)).collect()
+    };
+    let (start, before, spare) = (motions.to_vec(), pushes(contacts), spares(motions, contacts));
     let (goal, steps) = if let Some((factors, steps)) = factors(contacts, inverse_masses, *softness) {
-        let residuals = contacts.iter().map(|contact| -contact.spare(motions)).collect();
-        let changes = factors.solve(residuals);
-        (before.iter().zip(changes).map(|(before, change)| before + change).collect(), steps)
+        let changes = factors.solve(spare.clone());
+        (before.iter().zip(changes).map(|(before, change)| before - change).collect(), steps)
     } else {
         let steps = solve(motions, inverse_masses, contacts, enough, MOST_STEPS);
         motions.copy_from_slice(&start);
         (pushes(contacts), steps)
     };
-    let gained = |motions: &[DVec2]| {
-        let each = motions.iter().zip(&start).zip(inverse_masses);
-        let gained = each
-            .map(|((now, before), inverse_mass)| 0.5 * (*now - *before).dot(*now + *before) / inverse_mass);
-        gained.sum::<f64>()
-    };
-    let mut part = 1.0;
+    // Of a goal that is not finite no part is one.
+    let is_finite = goal.iter().all(|push: &f64| push.is_finite());
+    let (goal, mut part) = (if is_finite { &goal } else { &before }, 1.0);
     for _ in 0..SHORTENED {
-        let part_way =
-            before.iter().zip(&goal).map(|(before, goal)| (before + part * (goal - before)).max(0.0));
-        let part_way: Vec<f64> = part_way.collect();
-        let mut given = 0.0;
-        for ((contact, push), before) in contacts.iter().zip(&part_way).zip(&before) {
-            contact.apply(push - before, motions, inverse_masses);
-            given += contact.least * (push - before);
+        let part_way = before.iter().zip(goal).map(|(before, goal)| before + part * (goal - before));
+        let changes: Vec<f64> = part_way.zip(&before).map(|(push, before)| push.max(0.0) - before).collect();
+        for (contact, change) in contacts.iter().zip(&changes) {
+            contact.apply(*change, motions, inverse_masses);
         }
-        if gained(motions) < given {
-            contacts.iter_mut().zip(part_way).for_each(|(contact, push)| contact.push = push);
+        // What energy gains, less what contacts give, to the last digit.
+        let each = changes.iter().zip(&spare).zip(spares(motions, contacts));
+        let gained: f64 = each.map(|((change, before), after)| 0.5 * change * (before + after)).sum();
+        if gained < 0.0 {
+            let each = contacts.iter_mut().zip(&before).zip(changes);
+            each.for_each(|((contact, before), change)| contact.push = before + change);
             let changed = if part == 1.0 { 1.0 / SOFTER } else { SOFTER };
             *softness = (*softness * changed).clamp(LEAST_SOFTNESS, MOST_SOFTNESS);
             return steps;

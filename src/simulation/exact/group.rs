@@ -146,7 +146,7 @@ impl Group {
     /// The momentum that walls gave members that have these velocities now, where so much of what the contacts push came of it:
     /// all that they have more, but for what immovable ones gave. Where there is no room, what walls push against each other has no
     /// bounds.
-    fn by_walls(&self, velocities: &[DVec2], contacts: &[Contact], part: f64) -> DVec2 {
+    pub(super) fn by_walls(&self, velocities: &[DVec2], contacts: &[Contact], part: f64) -> DVec2 {
         if contacts.iter().all(|contact| contact.against != Support::Wall) {
             return DVec2::ZERO;
         }

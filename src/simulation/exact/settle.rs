@@ -53,8 +53,8 @@ pub(super) struct Near {
     pub(super) touch: f64,
     /// How slow beside each other those are that have not chattered, in rest speeds.
     pub(super) slow: f64,
-    /// Whether no more is asked of a group that is carried than one of those that are.
-    pub(super) alone: bool,
+    /// Whether it is enough to find one that is carried, if any is: what comes after it is left out then.
+    pub(super) up_to_carried: bool,
 }
 
 impl Exact {
@@ -65,7 +65,7 @@ impl Exact {
         if self.note_pressing(now) || self.credit < 0 || waits {
             return;
         }
-        let near = Near { touch: self.touch_distance(), slow: SLOW, alone: !stuck };
+        let near = Near { touch: self.touch_distance(), slow: SLOW, up_to_carried: !stuck };
         let mut group = self.gather::<N>(slot, now, near);
         if !stuck && group.members.iter().any(|member| self.marks[member.slot].has(Marks::CARRIED)) {
             // It is taken in in the next step.
@@ -172,7 +172,7 @@ impl Exact {
 
     /// The balls that touch a ball, those that touch these and so on, as far as they belong together.
     pub(super) fn gather<N: Needs>(&mut self, slot: usize, now: f64, near: Near) -> Group {
-        let Near { touch, slow, alone } = near;
+        let Near { touch, slow, up_to_carried } = near;
         let mut group = Group { absorbs: self.wedged(), ..Group::default() };
         let mut found = std::mem::take(&mut self.found);
         found.resize(self.flights.len(), NONE);
@@ -184,7 +184,7 @@ impl Exact {
         let mut at = 0;
         while at < group.members.len() {
             let Member { slot: one, position, .. } = group.members[at];
-            if alone && self.marks[one].has(Marks::CARRIED) {
+            if up_to_carried && self.marks[one].has(Marks::CARRIED) {
                 break;
             }
             let Matter { radius, restitution, .. } = *self.matter::<N>(one);
