@@ -61,26 +61,7 @@ impl Exact {
     /// Stops the group of a ball that has chattered for long, and lays it to rest as far as it is in balance.
     pub(super) fn settle<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
         let stuck = self.at_once > STUCK;
-        let waits = self.marks[slot].has(Marks::CARRIED) && !stuck;
-        if self.note_pressing(now) || self.credit < 0 || waits {
-            return;
-        }
-        let near = Near { touch: self.touch_distance(), slow: SLOW, up_to_carried: !stuck };
-        let mut group = self.gather::<N>(slot, now, near);
-        if !stuck && group.members.iter().any(|member| self.marks[member.slot].has(Marks::CARRIED)) {
-            // It is taken in in the next step.
-            self.credit -= group.members.len() as i64;
-            return;
-        }
-        if group.contacts.len() > MOST_CONTACTS * group.members.len() {
-            return self.give_up(&group);
-        }
-        let slow = |contact: &Contact| -contact.parting(&group.velocities) <= self.rest_speed;
-        let lies = self.gravity != DVec2::ZERO && group.contacts.iter().all(slow);
-        if !(group.absorbs || lies) {
-            // Among elastic balls, what chatters fast loses nothing.
-            return self.give_up(&group);
-        }
+        let Some(mut group) = self.group_to_stop::<N>(slot, now, stuck) else { return };
         let stopped = group.take_approach();
         let (mut steps, mut by_walls, mut carry) = (stopped.steps, stopped.by_walls, false);
         if self.gravity != DVec2::ZERO {
@@ -102,6 +83,36 @@ impl Exact {
         // Where nothing comes to rest, it is too early.
         let in_vain = group.members.iter().all(|member| !member.stays);
         self.credit -= if in_vain { IN_VAIN * cost } else { cost };
+        self.lay_down::<N>(&group, carry, now);
+        self.note_leaning(&group);
+    }
+
+    /// The group of a ball that has chattered for long, if it is time to stop it: not where it is carried, and taken in in the next
+    /// step, unless it is stuck.
+    fn group_to_stop<N: Needs>(&mut self, slot: usize, now: f64, stuck: bool) -> Option<Group> {
+        let waits = self.marks[slot].has(Marks::CARRIED) && !stuck;
+        if self.note_pressing(now) || self.credit < 0 || waits {
+            return None;
+        }
+        let near = Near { touch: self.touch_distance(), slow: SLOW, up_to_carried: !stuck };
+        let group = self.gather::<N>(slot, now, near);
+        if !stuck && group.members.iter().any(|member| self.marks[member.slot].has(Marks::CARRIED)) {
+            self.credit -= group.members.len() as i64;
+            return None;
+        }
+        let crowded = group.contacts.len() > MOST_CONTACTS * group.members.len();
+        let slow = |contact: &Contact| -contact.parting(&group.velocities) <= self.rest_speed;
+        let lies = self.gravity != DVec2::ZERO && group.contacts.iter().all(slow);
+        // Among elastic balls, what chatters fast loses nothing.
+        if crowded || !(group.absorbs || lies) {
+            self.give_up(&group);
+            return None;
+        }
+        Some(group)
+    }
+
+    /// Holds the members of a group that stay, and lets the others set out, to be carried or not.
+    fn lay_down<N: Needs>(&mut self, group: &Group, carry: bool, now: f64) {
         let among_balls = group.contacts.iter().any(|contact| contact.against != Support::Wall);
         for (&Member { slot, position, stays, .. }, &velocity) in group.members.iter().zip(&group.velocities)
         {
@@ -137,7 +148,6 @@ impl Exact {
             self.marks[slot].set(Marks::CARRIED, carry && !stays);
             self.foresee::<N>(slot, now);
         }
-        self.note_leaning(&group);
     }
 
     /// Leaves a group as it is, until its balls have chattered for long again.
