@@ -18,7 +18,7 @@ use crate::simulation::clock::Clock;
 use super::contacts::{Contact, Support};
 use super::flights::Marks;
 use super::group::{Group, Member};
-use super::settle::{LIFTED, Near, STEPS_PER_EVENT, STUCK};
+use super::settle::{Belong, LIFTED, Near, STEPS_PER_EVENT, STUCK};
 use super::{Exact, Needs};
 
 /// Steps while a hop at the rest speed lasts: what is carried hops at half of it.
@@ -32,6 +32,9 @@ const KEPT_APART: f64 = 0.5;
 /// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: the nearer they are, the
 /// more often they hit each other once a blow has made them faster, and the farther, the more is a crowd lifted.
 const APART: f64 = 0.01;
+/// The energy that contacts give at most to balls that are to part, as a part of that of their mass at the rest speed, twice. They
+/// give a few thousandths, and where there is no room a thousand times as much as all.
+const MOST_GIVEN: f64 = 0.03125;
 /// How exactly velocities are found, as a part of what gravity gives in a step.
 const PRECISION: f64 = 1e-4;
 /// Steps from one search for forces that balance gravity to the next.
@@ -48,6 +51,8 @@ pub(super) struct Carry {
     is_new: bool,
     /// What contacts pushed in the last step, px/s times a mass, in the order of their keys.
     pushes: Vec<(Key, f64)>,
+    /// How many flurries that ended since the last step were said to get on.
+    got_on: u32,
 }
 
 /// A contact: the slot of a ball, and that of the other, or a number for a wall that no slot has.
@@ -57,7 +62,7 @@ impl Carry {
     /// Nothing is carried. A hop at the rest speed lasts so long, s.
     pub(super) fn new(hop_time: f64) -> Self {
         let rate = (STEPS_PER_HOP / hop_time).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
-        Self { rate, next: None, is_new: false, pushes: Vec::new() }
+        Self { rate, next: None, is_new: false, pushes: Vec::new(), got_on: 0 }
     }
 
     /// How long a step is, s.
@@ -80,6 +85,12 @@ impl Carry {
     #[inline]
     pub(super) fn is_just_called(&mut self) -> bool {
         std::mem::take(&mut self.is_new)
+    }
+
+    /// Whether a flurry gets on, though hardly any time passes: not more than so many do in a step.
+    pub(super) fn gets_on(&mut self, most: u32) -> bool {
+        self.got_on += 1;
+        self.got_on <= most
     }
 
     /// What a contact pushed in the last step.
@@ -113,6 +124,11 @@ impl Exact {
             let (over, _) = self.origin.after(now).steps(rate);
             (self.carry.next, self.carry.is_new) = (Some(Clock::at_step(over + 1, rate)), true);
         }
+    }
+
+    /// How near balls are to each other that are carried as one group, px: as far as one at the rest speed goes in two steps.
+    pub(super) fn carry_touch(&self) -> f64 {
+        self.rest_speed * self.chatter_time
     }
 
     /// Whether a ball's velocity is a mean one, from which its flight goes off.
@@ -154,18 +170,25 @@ impl Exact {
 
     /// Moves all that is carried, and what has chattered for long beside it, on to their next step.
     pub(super) fn step<N: Needs>(&mut self, tally: &mut Tally, now: f64) {
-        self.carry.next = None;
+        (self.carry.next, self.carry.got_on) = (None, 0);
         let mut pushes = Vec::new();
         let mut seen = vec![false; self.flights.len()];
+        let counted = |slot: &usize| self.marks[*slot].hits_in_step() > 0;
+        let counted: Vec<usize> = (0..self.marks.len()).filter(counted).collect();
+        self.marks.iter_mut().for_each(|marks| marks.count_hits(false));
         for slot in 0..seen.len() {
             let marks = self.marks[slot];
             let moves = !(seen[slot] || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed());
             if moves && (marks.has(Marks::CARRIED) || marks.is_restless()) {
-                let touch = self.rest_speed * self.chatter_time;
-                let group = self.gather::<N>(slot, now, Near { touch, slow: 1.0, up_to_carried: false });
+                let near = Near { touch: self.carry_touch(), belong: Belong::Slow(1.0) };
+                let group = self.gather::<N>(slot, now, near);
                 group.members.iter().for_each(|member| seen[member.slot] = true);
                 self.step_group::<N>(tally, group, now, &mut pushes);
             }
+        }
+        // Those that came no nearer to others until now may do so from now on.
+        for slot in counted.into_iter().filter(|&slot| !seen[slot]) {
+            self.foresee::<N>(slot, now);
         }
         pushes.sort_unstable_by_key(|(key, _)| *key);
         self.carry.pushes = pushes;
@@ -221,17 +244,21 @@ impl Exact {
             contact.least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(0.5 * self.rest_speed);
         }
         let kicked = group.velocities.clone();
+        let masses = group.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip());
+        let most_given = MOST_GIVEN * masses.sum::<f64>() * self.rest_speed * self.rest_speed;
         for most in [f64::INFINITY, 0.0] {
             group.velocities.clone_from(&kicked);
             for contact in &mut group.contacts {
                 contact.least = contact.least.min(most);
-                contact.push = self.carry.push(key(&group.members, contact));
+                // Pushes without bounds lead nowhere from where there is no room.
+                contact.push = if most > 0.0 { self.carry.push(key(&group.members, contact)) } else { 0.0 };
                 contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
             }
             let steps = group.move_on(enough);
             self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
-            // A comparison that is false for a NaN.
-            if group.energy(&group.velocities) <= group.energy(&kicked) {
+            // Comparisons that are false for a NaN.
+            let given: f64 = group.contacts.iter().map(|contact| contact.push * contact.least.max(0.0)).sum();
+            if given <= most_given && group.energy(&group.velocities) <= group.energy(&kicked) {
                 let found = std::mem::replace(&mut group.velocities, kicked);
                 let by_walls = group.by_walls(&found, &group.contacts, 1.0);
                 group.velocities = found;
@@ -250,7 +277,7 @@ impl Exact {
         group.accelerations = changes.collect();
         group.choose(gravity, self.rest_speed, false);
         let (steps, _) = self.origin.after(now).steps(self.carry.rate);
-        if steps % STEPS_PER_SEARCH != 0 || group.members.iter().any(|member| member.stays) {
+        if steps % STEPS_PER_SEARCH != 0 || group.members.iter().all(|member| member.stays) {
             return;
         }
         let touch = self.touch_distance();
@@ -268,18 +295,13 @@ impl Exact {
 
     /// Lets a group's balls set out with their new velocities, or holds them.
     fn carry_on<N: Needs>(&mut self, group: &Group, now: f64) {
-        let mut pushed = vec![false; group.members.len()];
-        for contact in group.contacts.iter().filter(|contact| contact.push > 0.0) {
-            pushed[contact.one] = true;
-            if let Support::Member(other) = contact.against {
-                pushed[other] = true;
-            }
-        }
+        let pushed = group.pushed();
         let half_kick = self.gravity * (0.5 * self.carry.step());
         let each = group.members.iter().zip(&group.velocities).zip(pushed);
         for ((&Member { slot, position, stays, .. }, &velocity), pushed) in each {
             let held = self.marks[slot].has(Marks::HELD);
             self.marks[slot].calm_down();
+            self.marks[slot].count_hits(!stays);
             if held && stays {
                 continue;
             }
@@ -316,14 +338,13 @@ impl Exact {
     /// Leaves a group to its impacts, and what has chattered for long to `settle`.
     fn leave_alone<N: Needs>(&mut self, tally: &mut Tally, group: &Group, now: f64) {
         for &Member { slot, .. } in &group.members {
-            if !self.marks[slot].has(Marks::CARRIED) {
-                continue;
-            }
-            let (position, velocity) = self.state::<N>(slot, now);
-            let mean = velocity - self.gravity * (0.5 * self.carry.step());
-            if self.is_carried(slot) && mean.length() < LIFTED * self.rest_speed {
-                // So slow is only what velocities are wrong by.
-                self.redirect(slot, (position, velocity - mean), now);
+            if self.is_carried(slot) {
+                let (position, velocity) = self.state::<N>(slot, now);
+                let mean = velocity - self.gravity * (0.5 * self.carry.step());
+                if mean.length() < LIFTED * self.rest_speed {
+                    // So slow is only what velocities are wrong by.
+                    self.redirect(slot, (position, velocity - mean), now);
+                }
             }
             self.marks[slot].set(Marks::CARRIED, false);
             self.foresee::<N>(slot, now);
@@ -335,7 +356,7 @@ impl Exact {
     }
 
     /// Begins a new flight of a ball without an impact.
-    fn redirect(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
+    pub(super) fn redirect(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
         let flight = &mut self.flights[slot];
         (flight.position, flight.velocity, flight.time) = (position, velocity, now);
         self.marks[slot].set(Marks::STRUCK, true);

@@ -66,6 +66,12 @@ impl Contact {
         self.parting(motions) - self.least
     }
 
+    /// How much faster two are to part at first that do not meet before they part half as fast as this change more: what gravity draws
+    /// away from what does not move comes nearer to it first. 0 where it draws them together.
+    pub(super) fn sooner(&self, half_kick: DVec2) -> f64 {
+        if matches!(self.against, Support::Member(_)) { 0.0 } else { self.normal.dot(half_kick).max(0.0) }
+    }
+
     /// The members that it pushes, and where to.
     fn pushed(&self) -> impl Iterator<Item = (usize, DVec2)> + use<> {
         let Self { one, against, normal, .. } = *self;

@@ -122,7 +122,8 @@ impl Matter {
 /// - 5 and 6: the axis and the side of the [`border`](Self::border);
 /// - 8 to 11: [`quick_hits`](Self::quick_hits);
 /// - 12 to 15: [`chatter`](Self::chatter);
-/// - 16: [`CARRIED`](Self::CARRIED).
+/// - 16: [`CARRIED`](Self::CARRIED);
+/// - 17 to 20: [`hits_in_step`](Self::hits_in_step).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Marks(u32);
 
@@ -139,6 +140,8 @@ impl Marks {
     pub(super) const CARRIED: Self = Self(1 << 16);
     /// As many quick hits as are counted, in four bits.
     const MOST_QUICK: u32 = 15;
+    /// As many hits in a step as are counted, in four bits.
+    const MOST_IN_STEP: u32 = 15;
     /// As much chatter as is counted, in four bits.
     pub(super) const MOST_CHATTER: u32 = 15;
 
@@ -175,6 +178,22 @@ impl Marks {
     pub(super) fn strike(&mut self, soon: bool) {
         let hits = if soon { (self.quick_hits() + 1).min(Self::MOST_QUICK) } else { 0 };
         self.0 = self.0 & !(Self::MOST_QUICK << 8) | hits << 8 | Self::STRUCK.0;
+        if (1..Self::MOST_IN_STEP).contains(&self.hits_in_step()) {
+            self.0 += 1 << 17;
+        }
+    }
+
+    /// How many impacts it has had since the last step of what is carried, and one more, up to
+    /// [`MOST_IN_STEP`](Self::MOST_IN_STEP), if it was carried on in that; else 0.
+    #[inline]
+    pub(super) fn hits_in_step(self) -> u32 {
+        self.0 >> 17 & Self::MOST_IN_STEP
+    }
+
+    /// Counts impacts from now on, or does not.
+    #[inline]
+    pub(super) fn count_hits(&mut self, counts: bool) {
+        self.0 = self.0 & !(Self::MOST_IN_STEP << 17) | u32::from(counts) << 17;
     }
 
     /// How many impacts it has had in a row that were chatter, up to [`MOST_CHATTER`](Self::MOST_CHATTER).

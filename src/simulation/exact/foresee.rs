@@ -10,6 +10,9 @@ use super::flights::{Against, Marks};
 use super::swept::Swept;
 use super::{Exact, Needs};
 
+/// Nothing hits what is carried so shortly before its next step, s.
+const BEFORE_STEP: f64 = 8.0 * INSTANT;
+
 /// What a ball's own flight leads to, whatever the others do.
 #[derive(Debug, Clone, Copy)]
 struct Ahead {
@@ -96,10 +99,10 @@ impl Exact {
     /// Foresees what comes next for a ball that is hidden, and does not meet others that are.
     #[inline]
     fn foresee_hidden<N: Needs>(&mut self, slot: usize, now: f64) {
-        // What is carried sets out anew in its next step, before this.
+        // What is carried sets out anew in its next step: it comes back to others just then.
         let carried = N::HOLDS && self.marks[slot].has(Marks::CARRIED);
         let step = self.carry.next_since(self.origin).filter(|_| carried);
-        let until = step.map_or(NEVER, |step| step + 0.5 * INSTANT);
+        let until = step.map_or(NEVER, |step| (step - BEFORE_STEP).max(now));
         let flight = &mut self.flights[slot];
         (flight.impact, flight.against) = (until, Against::NOTHING);
         self.find_next::<N>(slot, now, None);

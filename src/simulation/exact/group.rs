@@ -177,6 +177,18 @@ impl Group {
         descend(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
     }
 
+    /// Which members any contact pushes.
+    pub(super) fn pushed(&self) -> Vec<bool> {
+        let mut pushed = vec![false; self.members.len()];
+        for contact in self.contacts.iter().filter(|contact| contact.push > 0.0) {
+            pushed[contact.one] = true;
+            if let Support::Member(other) = contact.against {
+                pushed[other] = true;
+            }
+        }
+        pushed
+    }
+
     /// Puts contacts into the order of their places along the group's longer side: those that have a member in common are near
     /// each other then.
     fn line_up(&mut self) {

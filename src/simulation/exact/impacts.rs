@@ -237,7 +237,9 @@ impl Exact {
         let plain = least == 0.0 && !chatter.0 && !chatter.1 && !self.wedged();
         let (meeting, e) = if pressed || least > 0.0 {
             let hop = if pressed && !self.wedged() {
-                self.least_hop(restitution) * self.sliding_part(meeting.offset, [rests1, rests2])
+                let hop = self.least_hop(restitution) * self.sliding_part(meeting.offset, [rests1, rests2]);
+                let presses = (self.pulls[rests2] - self.pulls[rests1]).dot(meeting.offset.normalize());
+                hop.min(self.longest_hop([one, other], presses, now))
             } else {
                 0.0
             };
@@ -270,6 +272,9 @@ impl Exact {
         for slot in [one, other] {
             if self.marks[slot].chatter() >= self.long_chatter {
                 self.settle::<N>(tally, slot, now);
+            }
+            if N::HOLDS && self.has_flurry(slot) {
+                self.end_flurry::<N>(tally, slot, now);
             }
         }
         // An impact counts as one event or two.

@@ -6,10 +6,14 @@ use crate::simulation::flight::{NEVER, Pair};
 use crate::simulation::lesser::lesser;
 
 use super::cells::{Border, END};
-use super::flights::Against;
+use super::flights::{Against, Marks};
 use super::together::AT_HAND;
 use super::{Exact, Needs};
 
+/// Balls that touch, and are carried, or one of them and the other held, do not meet before their next step if they come nearer until
+/// then by less than this part of the distance at which they touch: what takes their approach leaves as much of it, and what lies in
+/// an exact fit would hit others for ever.
+const NO_NEARER: f64 = 1e-12;
 /// So many balls near a ball count as one event more for the caller's watch: each of them costs a root.
 const NEAR_PER_EVENT: u32 = 16;
 
@@ -45,7 +49,26 @@ impl Exact {
     /// When two balls meet that touch, or nearly do. They are looked at anew: that keeps all others in registers.
     #[cold]
     fn meet_at_hand<N: Needs>(&self, slot: usize, other: usize, now: f64) -> f64 {
-        self.pair::<N>(slot, other, now).meet()
+        let pair = self.pair::<N>(slot, other, now);
+        if N::HOLDS && self.come_no_nearer(slot, other, &pair, DVec2::ZERO, now) {
+            return NEVER;
+        }
+        pair.meet()
+    }
+
+    /// Whether two balls that touch, or as good as touch, come nearer by as good as nothing before one of them sets out anew in the next
+    /// step, where the other is accelerated by this relative to the one.
+    fn come_no_nearer(&self, slot: usize, other: usize, pair: &Pair, pull: DVec2, now: f64) -> bool {
+        let carried =
+            |slot: usize| self.marks[slot].has(Marks::CARRIED) || self.marks[slot].hits_in_step() > 0;
+        let fits = |slot: usize| carried(slot) || self.marks[slot].has(Marks::HELD);
+        let Some(next) = self.carry.next_since(self.origin) else { return false };
+        if !((carried(slot) || carried(other)) && fits(slot) && fits(other)) || pair.overlap_deeply() {
+            return false;
+        }
+        let left = next - now;
+        let nearer = -(pair.velocity + pull * (0.5 * left)).dot(pair.offset) * left;
+        (0.0..NO_NEARER * pair.reach * pair.offset.length()).contains(&nearer)
     }
 
     /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
@@ -64,10 +87,13 @@ impl Exact {
         let limit = |other: usize, first: &First| lesser(first.time, self.flights[other].impact);
         let meet_accelerated = |other: usize, first: &mut First| {
             let pair = pair(other);
+            let (pull, limit) = (pull(other), limit(other, first));
             if pair.are_within(AT_HAND) {
                 first.touches = true;
+                if self.come_no_nearer(slot, other, &pair, pull, now) {
+                    return;
+                }
             }
-            let (pull, limit) = (pull(other), limit(other, first));
             let time = if inside(other) {
                 pair.part_accelerated(pull, limit - now)
             } else {

@@ -12,7 +12,7 @@
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
 //! - `settle`, `group`, `contacts`: how they come to rest on each other;
-//! - `carry`: how many go on that press on each other until then;
+//! - `carry`, `flurry`: how many go on that press on each other until then, and what ends their flurries of hits;
 //! - `pace`: whether there are more impacts than can be followed;
 //! - `pressing`: when it ends because balls press on each other, where `contact` holds these;
 //! - `cells`, `swept`, `calendar`: where balls are, and will be, and the queue;
@@ -25,6 +25,7 @@ mod cells;
 mod contacts;
 mod events;
 mod flights;
+mod flurry;
 mod foresee;
 mod group;
 mod impacts;

@@ -46,15 +46,21 @@ const NEAR: f64 = 0.125;
 /// No place in a group.
 const NONE: u32 = u32::MAX;
 
-/// Which balls belong together.
+/// Which balls belong together: those that are no farther from each other than `touch`, px, and of them ...
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Near {
-    /// How far they are from each other at most, px.
     pub(super) touch: f64,
-    /// How slow beside each other those are that have not chattered, in rest speeds.
-    pub(super) slow: f64,
-    /// Whether it is enough to find one that is carried, if any is: what comes after it is left out then.
-    pub(super) up_to_carried: bool,
+    pub(super) belong: Belong,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Belong {
+    /// ... those that are held, or carried, or have chattered, or are slower beside each other than this many rest speeds.
+    Slow(f64),
+    /// The same, but it is enough to find one that is carried, if any is: what comes after it is left out then.
+    UpToCarried(f64),
+    /// ... those that have been hit since the last step of what is carried. What is held counts as immovable.
+    Hit,
 }
 
 impl Exact {
@@ -94,7 +100,8 @@ impl Exact {
         if self.note_pressing(now) || self.credit < 0 || waits {
             return None;
         }
-        let near = Near { touch: self.touch_distance(), slow: SLOW, up_to_carried: !stuck };
+        let belong = if stuck { Belong::Slow(SLOW) } else { Belong::UpToCarried(SLOW) };
+        let near = Near { touch: self.touch_distance(), belong };
         let group = self.gather::<N>(slot, now, near);
         if !stuck && group.members.iter().any(|member| self.marks[member.slot].has(Marks::CARRIED)) {
             self.credit -= group.members.len() as i64;
@@ -129,18 +136,12 @@ impl Exact {
                 // What it touches, or as good as, has stopped it, or let it go.
                 self.marks[slot].set(Marks::HIT, true);
             }
-            let mut velocity = if stays { DVec2::ZERO } else { velocity };
-            for axis in 0..2 {
-                let rests = Marks::rests_on(axis);
-                if stays {
-                    self.marks[slot].set(rests, true);
-                } else if self.marks[slot].has(rests) {
-                    // Lifted off the wall it rested on, or moved by what is left of the approach.
-                    let lifted = velocity[axis].abs() > LIFTED * self.rest_speed;
-                    self.marks[slot].set(rests, !lifted);
-                    velocity[axis] = if lifted { velocity[axis] } else { 0.0 };
-                }
-            }
+            let mut velocity = if stays {
+                (0..2).for_each(|axis| self.marks[slot].set(Marks::rests_on(axis), true));
+                DVec2::ZERO
+            } else {
+                self.lift_off(slot, velocity)
+            };
             if carry && self.marks[slot].rests() == 0 {
                 velocity += self.gravity * self.since_middle(now);
             }
@@ -148,6 +149,20 @@ impl Exact {
             self.marks[slot].set(Marks::CARRIED, carry && !stays);
             self.foresee::<N>(slot, now);
         }
+    }
+
+    /// Lifts a ball that sets out at this velocity off the walls that it rests on, or leaves it on them where that is only what is left
+    /// of an approach, and returns its velocity.
+    pub(super) fn lift_off(&mut self, slot: usize, mut velocity: DVec2) -> DVec2 {
+        for axis in 0..2 {
+            let rests = Marks::rests_on(axis);
+            if self.marks[slot].has(rests) {
+                let lifted = velocity[axis].abs() > LIFTED * self.rest_speed;
+                self.marks[slot].set(rests, !lifted);
+                velocity[axis] = if lifted { velocity[axis] } else { 0.0 };
+            }
+        }
+        velocity
     }
 
     /// Leaves a group as it is, until its balls have chattered for long again.
@@ -182,7 +197,8 @@ impl Exact {
 
     /// The balls that touch a ball, those that touch these and so on, as far as they belong together.
     pub(super) fn gather<N: Needs>(&mut self, slot: usize, now: f64, near: Near) -> Group {
-        let Near { touch, slow, up_to_carried } = near;
+        let Near { touch, belong } = near;
+        let (up_to_carried, hit) = (matches!(belong, Belong::UpToCarried(_)), belong == Belong::Hit);
         let mut group = Group { absorbs: self.wedged(), ..Group::default() };
         let mut found = std::mem::take(&mut self.found);
         found.resize(self.flights.len(), NONE);
@@ -213,6 +229,9 @@ impl Exact {
                 if (found[slot] as usize) <= at {
                     return;
                 }
+                if hit && found[slot] == NONE && !self.is_hit::<N>(slot) {
+                    return;
+                }
                 let (their_position, their_velocity) = self.state::<N>(slot, now);
                 let matter = self.matter::<N>(slot);
                 let offset = position - their_position;
@@ -225,10 +244,17 @@ impl Exact {
                 let held = self.marks[slot].has(Marks::HELD);
                 let is_new = found[slot] == NONE && !matter.is_fixed();
                 if is_new {
-                    let speed = (group.velocities[at] - their_velocity).dot(normal).abs();
-                    let rattles = self.rattles::<N>(one, slot) || self.rattles::<N>(slot, one);
-                    let joins =
-                        held || self.wedged() || restless(slot) || rattles || speed < slow * self.rest_speed;
+                    let joins = match belong {
+                        Belong::Hit => !held,
+                        Belong::Slow(slow) | Belong::UpToCarried(slow) => {
+                            let speed = (group.velocities[at] - their_velocity).dot(normal).abs();
+                            let rattles = self.rattles::<N>(one, slot) || self.rattles::<N>(slot, one);
+                            held || self.wedged()
+                                || restless(slot)
+                                || rattles
+                                || speed < slow * self.rest_speed
+                        }
+                    };
                     if joins && group.members.len() < LARGEST {
                         found[slot] = add(&mut group, slot);
                     } else if !held {
@@ -252,6 +278,14 @@ impl Exact {
         group.members.iter().for_each(|member| found[member.slot] = NONE);
         self.found = found;
         group
+    }
+
+    /// Whether a ball has been hit since the last step, where it was carried on in that, or else again and again; or is one that
+    /// does not move.
+    fn is_hit<N: Needs>(&self, slot: usize) -> bool {
+        let marks = self.marks[slot];
+        let hit = marks.hits_in_step() > 0 || marks.quick_hits() >= QUICK;
+        hit || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed()
     }
 
     /// Whether a ball goes to and fro beside one that is so much heavier: how fast it does says nothing of that.

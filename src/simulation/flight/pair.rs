@@ -95,6 +95,11 @@ impl Pair {
         self.offset.length_squared() - square <= part * square
     }
 
+    /// Whether they overlap by more than rounding.
+    pub(in crate::simulation) fn overlap_deeply(&self) -> bool {
+        self.offset.length() < (1.0 - DEEP) * self.reach
+    }
+
     /// Whether they surely do not come to touch within this time, s, where the other is accelerated by this relative to the one:
     /// whether they stay apart along one axis. That takes no root.
     #[inline]

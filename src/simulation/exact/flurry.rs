@@ -1,0 +1,126 @@
+//! Flurries of hits among what is carried, and how they end.
+//!
+//! What is carried is so near to each other that a blow sends its balls to and fro by the hundred until they set out anew in the
+//! next step, and where they have no room without end. So a ball that has been hit often since the last step does so at once, with
+//! those beside it that have been hit, too: what is left of their approach is taken, as impacts without restitution would take it
+//! in the end, so far that none of them meet before that step.
+
+use glam::DVec2;
+
+use crate::simulation::Tally;
+use crate::simulation::clock::INSTANT;
+
+use super::contacts::Support;
+use super::flights::Marks;
+use super::group::{Group, Member};
+use super::settle::{Belong, FIRM, Near, STEPS_PER_EVENT};
+use super::{Exact, Needs};
+
+/// So many hits of a ball since the last step are a flurry.
+const FLURRY: u32 = 8;
+/// The part of what is between two balls that is left when the step ends at least, ...
+const KEPT_APART: f64 = 0.5;
+/// ... and between one and what nothing moves, which it may hop off in the meantime.
+const KEPT_OFF: f64 = 1e-3;
+/// How exactly velocities are found, in rest speeds.
+const PRECISION: f64 = 1e-8;
+/// What takes an approach from a flurry that is faster than this, in rest speeds, gets on, however little time passes ...
+const GETS_ON: f64 = 1e-3;
+/// ... for so many flurries in a step.
+const MOST_THAT_GET_ON: u32 = 64;
+
+impl Exact {
+    /// Whether a ball has had a flurry of hits since the last step.
+    #[inline]
+    pub(super) fn has_flurry(&self, slot: usize) -> bool {
+        self.marks[slot].hits_in_step() > FLURRY
+    }
+
+    /// How fast two balls part at most that come back to each other before the next step, where one of them sets out anew then, px/s,
+    /// by the acceleration that presses them on each other, px/s².
+    pub(super) fn longest_hop(&self, two: [usize; 2], presses: f64, now: f64) -> f64 {
+        let counts = two.iter().any(|&slot| self.marks[slot].hits_in_step() > 0);
+        let next = self.carry.next_since(self.origin).filter(|_| counts);
+        next.map_or(f64::INFINITY, |next| 0.5 * (presses * (next - now)).max(0.0))
+    }
+
+    /// Ends the flurry of hits that a ball has had.
+    pub(super) fn end_flurry<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
+        let Some(next) = self.carry.next_since(self.origin) else { return };
+        let left = (next - now).max(INSTANT);
+        let near = Near { touch: self.carry_touch(), belong: Belong::Hit };
+        let mut group = self.gather::<N>(slot, now, near);
+        // What this does not end goes on until the step.
+        group.members.iter().for_each(|member| self.marks[member.slot].count_hits(false));
+        // What is held is freed by a firm hit.
+        let firm = FIRM * self.rest_speed;
+        let Group { contacts, velocities, .. } = &mut group;
+        contacts.retain(|contact| {
+            !matches!(contact.against, Support::Immovable(_)) || contact.parting(velocities) > -firm
+        });
+        let deep = group.members.iter().any(|member| member.deep);
+        if deep || !group.absorbs {
+            return;
+        }
+        // In the time that is left they get as far as at these velocities.
+        let half_kick = self.gravity * (0.5 * left);
+        let kicks: Vec<DVec2> =
+            group.members.iter().map(|member| self.marks[member.slot].free_part(half_kick)).collect();
+        group.velocities.iter_mut().zip(&kicks).for_each(|(velocity, kick)| *velocity += *kick);
+        let Some((fastest, by_walls)) = self.take_flurry(&mut group, left, half_kick) else { return };
+        tally.wall_impulse += by_walls;
+        if fastest > GETS_ON * self.rest_speed && self.carry.gets_on(MOST_THAT_GET_ON) {
+            self.at_once = 0;
+        }
+        group.velocities.iter_mut().zip(&kicks).for_each(|(velocity, kick)| *velocity -= *kick);
+        self.go_on_after_flurry::<N>(&group, now);
+    }
+
+    /// Takes from a group's velocities what lets its members meet in the time that is left, s. Returns their fastest approach, and the
+    /// momentum that walls gave, if there was any, and what takes it loses energy.
+    fn take_flurry(&mut self, group: &mut Group, left: f64, half_kick: DVec2) -> Option<(f64, DVec2)> {
+        let mut fastest = 0.0_f64;
+        for contact in &mut group.contacts {
+            let kept = if matches!(contact.against, Support::Member(_)) { KEPT_APART } else { KEPT_OFF };
+            contact.least = contact.sooner(half_kick) - (1.0 - kept) * contact.gap.max(0.0) / left;
+            fastest = fastest.max(-contact.spare(&group.velocities));
+        }
+        if fastest <= PRECISION * self.rest_speed {
+            return None;
+        }
+        let before = group.velocities.clone();
+        let steps = group.move_on(PRECISION * self.rest_speed);
+        self.unwatched += ((group.members.len() + steps * group.contacts.len()) / STEPS_PER_EVENT) as u32;
+        let found = std::mem::replace(&mut group.velocities, before);
+        // A comparison that is false for a NaN.
+        (group.energy(&found) <= group.energy(&group.velocities)).then(|| {
+            let by_walls = group.by_walls(&found, &group.contacts, 1.0);
+            group.velocities = found;
+            (fastest, by_walls)
+        })
+    }
+
+    /// Lets those of a group's balls set out that have been pushed.
+    fn go_on_after_flurry<N: Needs>(&mut self, group: &Group, now: f64) {
+        let pushed = group.pushed();
+        for ((&Member { slot, position, .. }, &velocity), &pushed) in
+            group.members.iter().zip(&group.velocities).zip(&pushed)
+        {
+            self.marks[slot].count_hits(true);
+            if pushed {
+                let rests = self.marks[slot].rests();
+                let velocity = self.lift_off(slot, velocity);
+                let marks = &mut self.marks[slot];
+                // What is lifted off a wall flies.
+                let carried = marks.has(Marks::CARRIED) && marks.rests() == rests;
+                marks.set(Marks::CARRIED, carried);
+                marks.set(Marks::HIT, true);
+                self.redirect(slot, (position, velocity), now);
+            }
+        }
+        // Not before all of them have set out.
+        for (&Member { slot, .. }, _) in group.members.iter().zip(pushed).filter(|(_, pushed)| *pushed) {
+            self.foresee::<N>(slot, now);
+        }
+    }
+}
