@@ -39,6 +39,8 @@ const MOST_GIVEN: f64 = 0.03125;
 const PRECISION: f64 = 1e-4;
 /// Steps from one search for forces that balance gravity to the next.
 const STEPS_PER_SEARCH: u64 = 8;
+/// Steps from one try to part where there is no room to the next.
+const STEPS_PER_PARTING: u64 = 16;
 
 /// What is known of the balls that are carried, beside their flights.
 #[derive(Debug, Clone)]
@@ -208,7 +210,7 @@ impl Exact {
             return self.leave_alone::<N>(tally, &group, now);
         }
         let means = self.kick(&mut group);
-        let Some(by_walls) = self.find_velocities(&mut group) else {
+        let Some(by_walls) = self.find_velocities(&mut group, now) else {
             return self.leave_alone::<N>(tally, &group, now);
         };
         tally.wall_impulse += by_walls;
@@ -218,6 +220,12 @@ impl Exact {
         }
         self.carry_on::<N>(&group, now);
         self.note_leaning(&group);
+    }
+
+    /// Whether a step is one of so many.
+    fn is_nth_step(&self, now: f64, nth: u64) -> bool {
+        let (steps, _) = self.origin.after(now).steps(self.carry.rate);
+        steps % nth == 0
     }
 
     /// Gives a group's balls what gravity gives in a step, and returns their mean velocities in the last one.
@@ -236,7 +244,7 @@ impl Exact {
     /// Finds the velocities with which a group's balls stay apart until the next step, starting from what their contacts pushed in
     /// the last one, and returns the momentum that walls give, if there are any velocities that take energy: what is nearer than it is
     /// kept parts, or where that has no room, or takes none, does at least not come nearer. What is left of approaches impacts see to.
-    fn find_velocities(&mut self, group: &mut Group) -> Option<DVec2> {
+    fn find_velocities(&mut self, group: &mut Group, now: f64) -> Option<DVec2> {
         let step = self.carry.step();
         let (apart, enough) =
             (APART * self.gravity.length() * step * step, PRECISION * self.gravity.length() * step);
@@ -246,7 +254,11 @@ impl Exact {
         let kicked = group.velocities.clone();
         let masses = group.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip());
         let most_given = MOST_GIVEN * masses.sum::<f64>() * self.rest_speed * self.rest_speed;
-        for most in [f64::INFINITY, 0.0] {
+        // Where there was no room a moment ago there is none.
+        let tight = !self.is_nth_step(now, STEPS_PER_PARTING)
+            && group.members.iter().any(|member| self.marks[member.slot].has(Marks::TIGHT));
+        let all = [f64::INFINITY, 0.0];
+        for &most in &all[usize::from(tight)..] {
             group.velocities.clone_from(&kicked);
             for contact in &mut group.contacts {
                 contact.least = contact.least.min(most);
@@ -262,6 +274,9 @@ impl Exact {
                 let found = std::mem::replace(&mut group.velocities, kicked);
                 let by_walls = group.by_walls(&found, &group.contacts, 1.0);
                 group.velocities = found;
+                for member in &group.members {
+                    self.marks[member.slot].set(Marks::TIGHT, most == 0.0);
+                }
                 return Some(by_walls);
             }
         }
@@ -276,8 +291,7 @@ impl Exact {
         let changes = group.velocities.iter().zip(means).map(|(velocity, mean)| (*velocity - *mean) / step);
         group.accelerations = changes.collect();
         group.choose(gravity, self.rest_speed, false);
-        let (steps, _) = self.origin.after(now).steps(self.carry.rate);
-        if steps % STEPS_PER_SEARCH != 0 || group.members.iter().all(|member| member.stays) {
+        if !self.is_nth_step(now, STEPS_PER_SEARCH) || group.members.iter().all(|member| member.stays) {
             return;
         }
         let touch = self.touch_distance();

@@ -123,7 +123,8 @@ impl Matter {
 /// - 8 to 11: [`quick_hits`](Self::quick_hits);
 /// - 12 to 15: [`chatter`](Self::chatter);
 /// - 16: [`CARRIED`](Self::CARRIED);
-/// - 17 to 20: [`hits_in_step`](Self::hits_in_step).
+/// - 17 to 20: [`hits_in_step`](Self::hits_in_step);
+/// - 21: [`TIGHT`](Self::TIGHT).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Marks(u32);
 
@@ -138,6 +139,8 @@ impl Marks {
     pub(super) const HELD: Self = Self(128);
     /// It is carried by others, in steps (see `carry`).
     pub(super) const CARRIED: Self = Self(1 << 16);
+    /// It is carried where there was no room to part, a step ago or a few.
+    pub(super) const TIGHT: Self = Self(1 << 21);
     /// As many quick hits as are counted, in four bits.
     const MOST_QUICK: u32 = 15;
     /// As many hits in a step as are counted, in four bits.
