@@ -192,6 +192,10 @@ impl Exact {
         for slot in counted.into_iter().filter(|&slot| !seen[slot]) {
             self.foresee::<N>(slot, now);
         }
+        if self.carry.next.is_none() {
+            // There is no step that they could be counted from.
+            self.marks.iter_mut().for_each(|marks| marks.count_hits(false));
+        }
         pushes.sort_unstable_by_key(|(key, _)| *key);
         self.carry.pushes = pushes;
         // All that it is called for by is known now.

@@ -66,10 +66,11 @@ impl Contact {
         self.parting(motions) - self.least
     }
 
-    /// How much faster two are to part at first that do not meet before they part half as fast as this change more: what gravity draws
-    /// away from what does not move comes nearer to it first. 0 where it draws them together.
-    pub(super) fn sooner(&self, half_kick: DVec2) -> f64 {
-        if matches!(self.against, Support::Member(_)) { 0.0 } else { self.normal.dot(half_kick).max(0.0) }
+    /// How much faster than at its mean velocity a member is to part at first from what does not move, if gravity changes its velocity
+    /// by twice its part of these in the meantime: drawn away from that, it would come nearer to it first. 0 where it is drawn to it.
+    pub(super) fn sooner(&self, half_kicks: &[DVec2]) -> f64 {
+        let drawn = self.normal.dot(half_kicks[self.one]);
+        if matches!(self.against, Support::Member(_)) { 0.0 } else { drawn.max(0.0) }
     }
 
     /// The members that it pushes, and where to.

@@ -50,24 +50,26 @@ impl Exact {
         let left = (next - now).max(INSTANT);
         let near = Near { touch: self.carry_touch(), belong: Belong::Hit };
         let mut group = self.gather::<N>(slot, now, near);
-        // What this does not end goes on until the step.
-        group.members.iter().for_each(|member| self.marks[member.slot].count_hits(false));
+        let deep = group.members.iter().any(|member| member.deep);
+        let may_end = !deep && group.absorbs;
+        group.members.iter().for_each(|member| self.marks[member.slot].count_hits(may_end));
+        self.unwatched += (group.members.len() / STEPS_PER_EVENT) as u32;
+        if !may_end {
+            // It goes on until the step, and what came no nearer to others may do so.
+            return group.members.iter().for_each(|member| self.foresee::<N>(member.slot, now));
+        }
         // What is held is freed by a firm hit.
         let firm = FIRM * self.rest_speed;
         let Group { contacts, velocities, .. } = &mut group;
         contacts.retain(|contact| {
             !matches!(contact.against, Support::Immovable(_)) || contact.parting(velocities) > -firm
         });
-        let deep = group.members.iter().any(|member| member.deep);
-        if deep || !group.absorbs {
-            return;
-        }
         // In the time that is left they get as far as at these velocities.
         let half_kick = self.gravity * (0.5 * left);
         let kicks: Vec<DVec2> =
             group.members.iter().map(|member| self.marks[member.slot].free_part(half_kick)).collect();
         group.velocities.iter_mut().zip(&kicks).for_each(|(velocity, kick)| *velocity += *kick);
-        let Some((fastest, by_walls)) = self.take_flurry(&mut group, left, half_kick) else { return };
+        let Some((fastest, by_walls)) = self.take_flurry(&mut group, left, &kicks) else { return };
         tally.wall_impulse += by_walls;
         if fastest > GETS_ON * self.rest_speed && self.carry.gets_on(MOST_THAT_GET_ON) {
             self.at_once = 0;
@@ -78,11 +80,11 @@ impl Exact {
 
     /// Takes from a group's velocities what lets its members meet in the time that is left, s. Returns their fastest approach, and the
     /// momentum that walls gave, if there was any, and what takes it loses energy.
-    fn take_flurry(&mut self, group: &mut Group, left: f64, half_kick: DVec2) -> Option<(f64, DVec2)> {
+    fn take_flurry(&mut self, group: &mut Group, left: f64, kicks: &[DVec2]) -> Option<(f64, DVec2)> {
         let mut fastest = 0.0_f64;
         for contact in &mut group.contacts {
             let kept = if matches!(contact.against, Support::Member(_)) { KEPT_APART } else { KEPT_OFF };
-            contact.least = contact.sooner(half_kick) - (1.0 - kept) * contact.gap.max(0.0) / left;
+            contact.least = contact.sooner(kicks) - (1.0 - kept) * contact.gap.max(0.0) / left;
             fastest = fastest.max(-contact.spare(&group.velocities));
         }
         if fastest <= PRECISION * self.rest_speed {
@@ -90,7 +92,7 @@ impl Exact {
         }
         let before = group.velocities.clone();
         let steps = group.move_on(PRECISION * self.rest_speed);
-        self.unwatched += ((group.members.len() + steps * group.contacts.len()) / STEPS_PER_EVENT) as u32;
+        self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
         let found = std::mem::replace(&mut group.velocities, before);
         // A comparison that is false for a NaN.
         (group.energy(&found) <= group.energy(&group.velocities)).then(|| {
@@ -106,7 +108,6 @@ impl Exact {
         for ((&Member { slot, position, .. }, &velocity), &pushed) in
             group.members.iter().zip(&group.velocities).zip(&pushed)
         {
-            self.marks[slot].count_hits(true);
             if pushed {
                 let rests = self.marks[slot].rests();
                 let velocity = self.lift_off(slot, velocity);
