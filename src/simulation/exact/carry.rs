@@ -53,8 +53,8 @@ pub(super) struct Carry {
     is_new: bool,
     /// What contacts pushed in the last step, px/s times a mass, in the order of their keys.
     pushes: Vec<(Key, f64)>,
-    /// How many flurries that ended since the last step were said to get on.
-    got_on: u32,
+    /// How many flurries there were since the last step.
+    flurries: u32,
 }
 
 /// A contact: the slot of a ball, and that of the other, or a number for a wall that no slot has.
@@ -64,7 +64,7 @@ impl Carry {
     /// Nothing is carried. A hop at the rest speed lasts so long, s.
     pub(super) fn new(hop_time: f64) -> Self {
         let rate = (STEPS_PER_HOP / hop_time).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
-        Self { rate, next: None, is_new: false, pushes: Vec::new(), got_on: 0 }
+        Self { rate, next: None, is_new: false, pushes: Vec::new(), flurries: 0 }
     }
 
     /// How long a step is, s.
@@ -89,10 +89,10 @@ impl Carry {
         std::mem::take(&mut self.is_new)
     }
 
-    /// Whether a flurry gets on, though hardly any time passes: not more than so many do in a step.
-    pub(super) fn gets_on(&mut self, most: u32) -> bool {
-        self.got_on += 1;
-        self.got_on <= most
+    /// Counts a flurry, and says whether there were no more than this since the last step.
+    pub(super) fn counts_flurry(&mut self, most: u32) -> bool {
+        self.flurries += 1;
+        self.flurries <= most
     }
 
     /// What a contact pushed in the last step.
@@ -172,7 +172,7 @@ impl Exact {
 
     /// Moves all that is carried, and what has chattered for long beside it, on to their next step.
     pub(super) fn step<N: Needs>(&mut self, tally: &mut Tally, now: f64) {
-        (self.carry.next, self.carry.got_on) = (None, 0);
+        (self.carry.next, self.carry.flurries) = (None, 0);
         let mut pushes = Vec::new();
         let mut seen = vec![false; self.flights.len()];
         let counted = |slot: &usize| self.marks[*slot].hits_in_step() > 0;

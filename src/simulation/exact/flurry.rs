@@ -24,10 +24,10 @@ const KEPT_APART: f64 = 0.5;
 const KEPT_OFF: f64 = 1e-3;
 /// How exactly velocities are found, in rest speeds.
 const PRECISION: f64 = 1e-8;
-/// What takes an approach from a flurry that is faster than this, in rest speeds, gets on, however little time passes ...
+/// What takes an approach from a flurry that is faster than this, in rest speeds, gets on, however little time passes.
 const GETS_ON: f64 = 1e-3;
-/// ... for so many flurries in a step.
-const MOST_THAT_GET_ON: u32 = 64;
+/// So many flurries are ended in a step: more are of balls that are wedged in, and stopped as such.
+const MOST_FLURRIES: u32 = 64;
 
 impl Exact {
     /// Whether a ball has had a flurry of hits since the last step.
@@ -51,7 +51,7 @@ impl Exact {
         let near = Near { touch: self.carry_touch(), belong: Belong::Hit };
         let mut group = self.gather::<N>(slot, now, near);
         let deep = group.members.iter().any(|member| member.deep);
-        let may_end = !deep && group.absorbs;
+        let may_end = !deep && group.absorbs && self.carry.counts_flurry(MOST_FLURRIES);
         group.members.iter().for_each(|member| self.marks[member.slot].count_hits(may_end));
         self.unwatched += (group.members.len() / STEPS_PER_EVENT) as u32;
         if !may_end {
@@ -71,7 +71,7 @@ impl Exact {
         group.velocities.iter_mut().zip(&kicks).for_each(|(velocity, kick)| *velocity += *kick);
         let Some((fastest, by_walls)) = self.take_flurry(&mut group, left, &kicks) else { return };
         tally.wall_impulse += by_walls;
-        if fastest > GETS_ON * self.rest_speed && self.carry.gets_on(MOST_THAT_GET_ON) {
+        if fastest > GETS_ON * self.rest_speed {
             self.at_once = 0;
         }
         group.velocities.iter_mut().zip(&kicks).for_each(|(velocity, kick)| *velocity -= *kick);
