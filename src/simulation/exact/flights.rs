@@ -186,8 +186,8 @@ impl Marks {
         }
     }
 
-    /// How many impacts it has had since the last step of what is carried, and one more, up to
-    /// [`MOST_IN_STEP`](Self::MOST_IN_STEP), if it was carried on in that; else 0.
+    /// How many impacts it has had since the last step of what is carried, or the end of its last flurry since, and one more, up to
+    /// [`MOST_IN_STEP`](Self::MOST_IN_STEP), if it was of a group that was carried on in that step; else 0.
     #[inline]
     pub(super) fn hits_in_step(self) -> u32 {
         self.0 >> 17 & Self::MOST_IN_STEP

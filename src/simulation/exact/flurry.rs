@@ -16,7 +16,7 @@ use super::group::{Group, Member};
 use super::settle::{Belong, FIRM, Near, STEPS_PER_EVENT};
 use super::{Exact, Needs};
 
-/// So many hits of a ball since the last step are a flurry.
+/// So many hits of a ball since the last step, or the last flurry, are one.
 const FLURRY: u32 = 8;
 /// The part of what is between two balls that is left when the step ends at least, ...
 const KEPT_APART: f64 = 0.5;
@@ -48,7 +48,7 @@ impl Exact {
     pub(super) fn end_flurry<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
         let Some(next) = self.carry.next_since(self.origin) else { return };
         let left = (next - now).max(INSTANT);
-        let near = Near { touch: self.carry_touch(), belong: Belong::Hit };
+        let near = Near { touch: self.carry_touch(), belong: Belong::Flurry };
         let mut group = self.gather::<N>(slot, now, near);
         let deep = group.members.iter().any(|member| member.deep);
         let may_end = !deep && group.absorbs && self.carry.counts_flurry(MOST_FLURRIES);

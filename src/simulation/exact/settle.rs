@@ -59,8 +59,9 @@ pub(super) enum Belong {
     Slow(f64),
     /// The same, but it is enough to find one that is carried, if any is: what comes after it is left out then.
     UpToCarried(f64),
-    /// ... those that have been hit since the last step of what is carried. What is held counts as immovable.
-    Hit,
+    /// ... those of groups that were carried on in the last step, and others that have been hit again and again. What is held counts
+    /// as immovable.
+    Flurry,
 }
 
 impl Exact {
@@ -198,7 +199,7 @@ impl Exact {
     /// The balls that touch a ball, those that touch these and so on, as far as they belong together.
     pub(super) fn gather<N: Needs>(&mut self, slot: usize, now: f64, near: Near) -> Group {
         let Near { touch, belong } = near;
-        let (up_to_carried, hit) = (matches!(belong, Belong::UpToCarried(_)), belong == Belong::Hit);
+        let (up_to_carried, flurry) = (matches!(belong, Belong::UpToCarried(_)), belong == Belong::Flurry);
         let mut group = Group { absorbs: self.wedged(), ..Group::default() };
         let mut found = std::mem::take(&mut self.found);
         found.resize(self.flights.len(), NONE);
@@ -229,7 +230,7 @@ impl Exact {
                 if (found[slot] as usize) <= at {
                     return;
                 }
-                if hit && found[slot] == NONE && !self.is_hit::<N>(slot) {
+                if flurry && found[slot] == NONE && !self.is_of_flurry::<N>(slot) {
                     return;
                 }
                 let (their_position, their_velocity) = self.state::<N>(slot, now);
@@ -245,7 +246,7 @@ impl Exact {
                 let is_new = found[slot] == NONE && !matter.is_fixed();
                 if is_new {
                     let joins = match belong {
-                        Belong::Hit => !held,
+                        Belong::Flurry => !held,
                         Belong::Slow(slow) | Belong::UpToCarried(slow) => {
                             let speed = (group.velocities[at] - their_velocity).dot(normal).abs();
                             let rattles = self.rattles::<N>(one, slot) || self.rattles::<N>(slot, one);
@@ -280,9 +281,8 @@ impl Exact {
         group
     }
 
-    /// Whether a ball has been hit since the last step, where it was carried on in that, or else again and again; or is one that
-    /// does not move.
-    fn is_hit<N: Needs>(&self, slot: usize) -> bool {
+    /// Whether a ball was of a group that was carried on in the last step, or has been hit again and again; or does not move.
+    fn is_of_flurry<N: Needs>(&self, slot: usize) -> bool {
         let marks = self.marks[slot];
         let hit = marks.hits_in_step() > 0 || marks.quick_hits() >= QUICK;
         hit || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed()
