@@ -74,7 +74,7 @@ impl Contact {
     }
 
     /// The members that it pushes, and where to.
-    fn pushed(&self) -> impl Iterator<Item = (usize, DVec2)> + use<> {
+    pub(super) fn pushed(&self) -> impl Iterator<Item = (usize, DVec2)> + use<> {
         let Self { one, against, normal, .. } = *self;
         let other = if let Support::Member(other) = against { Some((other, -normal)) } else { None };
         std::iter::once((one, normal)).chain(other)

@@ -180,12 +180,8 @@ impl Group {
     /// Which members any contact pushes.
     pub(super) fn pushed(&self) -> Vec<bool> {
         let mut pushed = vec![false; self.members.len()];
-        for contact in self.contacts.iter().filter(|contact| contact.push > 0.0) {
-            pushed[contact.one] = true;
-            if let Support::Member(other) = contact.against {
-                pushed[other] = true;
-            }
-        }
+        let pushing = self.contacts.iter().filter(|contact| contact.push > 0.0);
+        pushing.flat_map(Contact::pushed).for_each(|(member, _)| pushed[member] = true);
         pushed
     }
 
