@@ -17,8 +17,9 @@ use crate::simulation::clock::Clock;
 
 use super::contacts::{Contact, Support};
 use super::flights::Marks;
+use super::gradients::Enough;
 use super::group::{Group, Member};
-use super::settle::{Belong, LIFTED, Near, STEPS_PER_EVENT, STUCK};
+use super::settle::{Belong, LIFTED, Near, STEPS_PER_EVENT};
 use super::{Exact, Needs};
 
 /// Steps while a hop at the rest speed lasts: what is carried hops at half of it.
@@ -32,11 +33,18 @@ const KEPT_APART: f64 = 0.5;
 /// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: the nearer they are, the
 /// more often they hit each other once a blow has made them faster, and the farther, the more is a crowd lifted.
 const APART: f64 = 0.01;
-/// The energy that contacts give at most to balls that are to part, as a part of that of their mass at the rest speed, twice. They
-/// give a few thousandths, and where there is no room a thousand times as much as all.
+/// The energy that contacts give at most to balls that are to part, as a part of that of their mass at the rest speed, twice, beside
+/// what it takes to lift as many layers as they lie in. They give a few thousandths, and where there is no room a thousand times as much
+/// as all.
 const MOST_GIVEN: f64 = 0.03125;
 /// How exactly velocities are found, as a part of what gravity gives in a step.
 const PRECISION: f64 = 1e-4;
+/// Among many, what is between two balls may close by this part of it more in a step: they still do not meet.
+const CLOSES: f64 = 0.4;
+/// Among many, how much faster than they are to balls may part, as a part of what gravity gives in a step.
+const FASTER: f64 = 0.1;
+/// Among many, that is enough after so many steps.
+const MOST_STEPS: usize = 100;
 /// Steps from one search for forces that balance gravity to the next.
 const STEPS_PER_SEARCH: u64 = 8;
 /// Steps from one try to part where there is no room to the next.
@@ -162,7 +170,7 @@ impl Exact {
     pub(super) fn may_be_carried(&self, group: &Group) -> bool {
         let carried = |member: &Member| self.marks[member.slot].has(Marks::CARRIED);
         self.gravity != DVec2::ZERO
-            && self.at_once <= STUCK
+            && !self.is_crammed()
             && group.absorbs
             && (group.members.len() >= FEWEST || group.members.iter().any(carried))
             && !group.members.iter().any(|member| member.deep)
@@ -214,7 +222,7 @@ impl Exact {
             return self.leave_alone::<N>(tally, &group, now);
         }
         let means = self.kick(&mut group);
-        let Some(by_walls) = self.find_velocities(&mut group, now) else {
+        let Some(by_walls) = self.find_velocities::<N>(&mut group, now) else {
             return self.leave_alone::<N>(tally, &group, now);
         };
         tally.wall_impulse += by_walls;
@@ -245,22 +253,39 @@ impl Exact {
         .collect()
     }
 
+    /// In how many layers a group's balls lie, about.
+    fn layers<N: Needs>(&self, group: &Group) -> f64 {
+        let down = self.gravity.normalize_or_zero();
+        let places = || group.members.iter().map(|member| member.position.dot(down));
+        let depth = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
+        let radii: f64 = group.members.iter().map(|member| self.matter::<N>(member.slot).radius).sum();
+        depth / (2.0 * radii / group.members.len() as f64)
+    }
+
     /// Finds the velocities with which a group's balls stay apart until the next step, starting from what their contacts pushed in
     /// the last one, and returns the momentum that walls give, if there are any velocities that take energy: what is nearer than it is
     /// kept parts, or where that has no room, or takes none, does at least not come nearer. What is left of approaches impacts see to.
-    fn find_velocities(&mut self, group: &mut Group, now: f64) -> Option<DVec2> {
+    fn find_velocities<N: Needs>(&mut self, group: &mut Group, now: f64) -> Option<DVec2> {
         let step = self.carry.step();
-        let (apart, enough) =
-            (APART * self.gravity.length() * step * step, PRECISION * self.gravity.length() * step);
+        let gravity = self.gravity.length();
+        let (apart, kick) = (APART * gravity * step * step, gravity * step);
+        let enough = Enough {
+            slower: PRECISION * kick,
+            closing: CLOSES / step,
+            faster: FASTER * kick,
+            dead: 0.0,
+            most_steps: MOST_STEPS,
+        };
         for contact in &mut group.contacts {
             contact.least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(0.5 * self.rest_speed);
         }
         let kicked = group.velocities.clone();
-        let masses = group.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip());
-        let most_given = MOST_GIVEN * masses.sum::<f64>() * self.rest_speed * self.rest_speed;
+        let mass: f64 = group.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).sum();
+        let lifts = gravity * apart * self.layers::<N>(group);
+        let most_given = mass * (MOST_GIVEN * self.rest_speed * self.rest_speed + lifts);
         // Where there was no room a moment ago there is none.
-        let tight = !self.is_nth_step(now, STEPS_PER_PARTING)
-            && group.members.iter().any(|member| self.marks[member.slot].has(Marks::TIGHT));
+        let were_tight = group.members.iter().filter(|member| self.marks[member.slot].has(Marks::TIGHT));
+        let tight = !self.is_nth_step(now, STEPS_PER_PARTING) && 2 * were_tight.count() > group.members.len();
         let all = [f64::INFINITY, 0.0];
         for &most in &all[usize::from(tight)..] {
             group.velocities.clone_from(&kicked);
@@ -302,6 +327,12 @@ impl Exact {
         let near = group.contacts.iter().filter(|contact| contact.gap < touch);
         let contacts = near.map(|contact| Contact { push: contact.push / step, least: 0.0, ..*contact });
         let mut still = Group { contacts: contacts.collect(), ..group.clone() };
+        // Without any that are slow enough, and pressed by none but such, there is nothing to find.
+        still.accelerations.fill(DVec2::ZERO);
+        still.choose(gravity, self.rest_speed, false);
+        if still.members.iter().all(|member| !member.stays) {
+            return;
+        }
         still.accelerations.fill(self.gravity);
         for contact in &still.contacts {
             contact.apply(contact.push, &mut still.accelerations, &still.inverse_masses);

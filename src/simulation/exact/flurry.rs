@@ -12,6 +12,7 @@ use crate::simulation::clock::INSTANT;
 
 use super::contacts::Support;
 use super::flights::Marks;
+use super::gradients::Enough;
 use super::group::{Group, Member};
 use super::settle::{Belong, FIRM, Near, STEPS_PER_EVENT};
 use super::{Exact, Needs};
@@ -26,6 +27,13 @@ const KEPT_OFF: f64 = 1e-3;
 const PRECISION: f64 = 1e-8;
 /// What takes an approach from a flurry that is faster than this, in rest speeds, gets on, however little time passes.
 const GETS_ON: f64 = 1e-3;
+/// Among many contacts, how much faster than they have to balls are looked for that part, as a part of the fastest approach: so few
+/// steps find velocities with which none meets again at once.
+const MARGIN: f64 = 1e-2;
+/// In so many steps at most, ...
+const FEW_STEPS: usize = 100;
+/// ... and, where there is no room for that margin, so many without it.
+const MANY_STEPS: usize = 400;
 /// So many flurries are ended in a step: more are of balls that are wedged in, and stopped as such.
 const MOST_FLURRIES: u32 = 64;
 
@@ -81,20 +89,37 @@ impl Exact {
     /// Takes from a group's velocities what lets its members meet in the time that is left, s. Returns their fastest approach, and the
     /// momentum that walls gave, if there was any, and what takes it loses energy.
     fn take_flurry(&mut self, group: &mut Group, left: f64, kicks: &[DVec2]) -> Option<(f64, DVec2)> {
-        let mut fastest = 0.0_f64;
         for contact in &mut group.contacts {
             let kept = if matches!(contact.against, Support::Member(_)) { KEPT_APART } else { KEPT_OFF };
             contact.least = contact.sooner(kicks) - (1.0 - kept) * contact.gap.max(0.0) / left;
-            fastest = fastest.max(-contact.spare(&group.velocities));
         }
+        let fastest = (-group.slowest_parting()).max(0.0);
         if fastest <= PRECISION * self.rest_speed {
             return None;
         }
         let before = group.velocities.clone();
-        let steps = group.move_on(PRECISION * self.rest_speed);
-        self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
+        // With a margin, as long as there is room for it; where there is none what is left would only begin the next flurry.
+        let passes = [(MARGIN * fastest, FEW_STEPS), (0.0, MANY_STEPS)];
+        for &(margin, most_steps) in &passes[usize::from(!group.has_many_contacts())..] {
+            // False for a NaN.
+            let loses = group.energy(&group.velocities) <= group.energy(&before);
+            if !loses {
+                group.velocities.clone_from(&before);
+                group.contacts.iter_mut().for_each(|contact| contact.push = 0.0);
+            }
+            group.contacts.iter_mut().for_each(|contact| contact.least += margin);
+            let precision = PRECISION * self.rest_speed + 0.5 * margin;
+            let enough =
+                Enough { slower: precision, closing: 0.0, faster: precision, dead: margin, most_steps };
+            let steps = group.move_on(enough);
+            self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
+            group.contacts.iter_mut().for_each(|contact| contact.least -= margin);
+            if group.slowest_parting() >= -PRECISION * self.rest_speed {
+                break;
+            }
+        }
         let found = std::mem::replace(&mut group.velocities, before);
-        // A comparison that is false for a NaN.
+        // False for a NaN.
         (group.energy(&found) <= group.energy(&group.velocities)).then(|| {
             let by_walls = group.by_walls(&found, &group.contacts, 1.0);
             group.velocities = found;

@@ -4,6 +4,7 @@
 use glam::DVec2;
 
 use super::contacts::{Contact, Support, descend, pivot};
+use super::gradients::{Enough, accelerate};
 
 /// The part of gravity that may be left unbalanced on a ball that is held: as if there were so much friction.
 const UNBALANCED: f64 = 1e-3;
@@ -17,6 +18,8 @@ pub(super) const RATTLER: f64 = 20.0;
 const LEAST_GIVEN: f64 = 0.3;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
 const FEW_CONTACTS: usize = 32;
+/// Pushes at more contacts than this are found by gradients when a group moves on.
+const MANY_CONTACTS: usize = 400;
 
 /// A ball of a group.
 #[derive(Debug, Clone, Copy)]
@@ -172,9 +175,22 @@ impl Group {
 
     /// Looks for velocities with which each contact's members part as fast as they are to at least, from what contacts push
     /// already, and returns how many steps it took.
-    pub(super) fn move_on(&mut self, enough: f64) -> usize {
+    pub(super) fn move_on(&mut self, enough: Enough) -> usize {
+        if self.has_many_contacts() {
+            return accelerate(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough);
+        }
         self.line_up();
-        descend(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
+        descend(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough.slower)
+    }
+
+    /// Whether velocities are not found to the last digit when it moves on.
+    pub(super) fn has_many_contacts(&self) -> bool {
+        self.contacts.len() > MANY_CONTACTS
+    }
+
+    /// How much faster than it is to the contact parts that does so least, px/s.
+    pub(super) fn slowest_parting(&self) -> f64 {
+        self.contacts.iter().map(|contact| contact.spare(&self.velocities)).fold(f64::INFINITY, f64::min)
     }
 
     /// Which members any contact pushes.

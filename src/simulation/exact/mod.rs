@@ -11,7 +11,7 @@
 //! - `foresee`, `meetings`: which event comes next for a ball, on its own way or with others;
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
-//! - `settle`, `group`, `contacts`: how they come to rest on each other;
+//! - `settle`, `group`, `contacts`, `gradients`: how they come to rest on each other;
 //! - `carry`, `flurry`: how many go on that press on each other until then, and what ends their flurries of hits;
 //! - `pace`: whether there are more impacts than can be followed;
 //! - `pressing`: when it ends because balls press on each other, where `contact` holds these;
@@ -27,6 +27,7 @@ mod events;
 mod flights;
 mod flurry;
 mod foresee;
+mod gradients;
 mod group;
 mod impacts;
 mod meetings;

@@ -37,8 +37,9 @@ pub(super) const LIFTED: f64 = 1e-3;
 pub(super) const STEPS_PER_EVENT: usize = 32;
 /// So many times as much is paid for a search that finds nothing.
 const IN_VAIN: i64 = 4;
-/// So many events at one time and more say that balls that overlap have no room to part.
-pub(super) const STUCK: usize = 1000;
+/// So many events at one time and more, and so many for each ball, say that balls that overlap have no room to part.
+const STUCK: usize = 1000;
+const STUCK_PER_BALL: usize = 16;
 /// Balls that are in so many others each are no group that could rest: it would take long to find out.
 const MOST_CONTACTS: usize = 8;
 /// How near balls are that hop off each other, in squares of the hop's speed over gravity: a quarter of how far they hop.
@@ -67,7 +68,7 @@ pub(super) enum Belong {
 impl Exact {
     /// Stops the group of a ball that has chattered for long, and lays it to rest as far as it is in balance.
     pub(super) fn settle<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
-        let stuck = self.at_once > STUCK;
+        let stuck = self.is_crammed();
         let Some(mut group) = self.group_to_stop::<N>(slot, now, stuck) else { return };
         let stopped = group.take_approach();
         let (mut steps, mut by_walls, mut carry) = (stopped.steps, stopped.by_walls, false);
@@ -92,6 +93,11 @@ impl Exact {
         self.credit -= if in_vain { IN_VAIN * cost } else { cost };
         self.lay_down::<N>(&group, carry, now);
         self.note_leaning(&group);
+    }
+
+    /// Whether so much happens at one time that balls that overlap have no room to part.
+    pub(super) fn is_crammed(&self) -> bool {
+        self.at_once > STUCK.max(STUCK_PER_BALL * self.flights.len())
     }
 
     /// The group of a ball that has chattered for long, if it is time to stop it: not where it is carried, and taken in in the next
