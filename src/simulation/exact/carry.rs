@@ -39,7 +39,7 @@ const APART: f64 = 0.01;
 const MOST_GIVEN: f64 = 0.03125;
 /// How exactly velocities are found, as a part of what gravity gives in a step.
 const PRECISION: f64 = 1e-4;
-/// Among many, what is between two balls may close by this part of it more in a step: they still do not meet.
+/// Among many, what is between two balls may close by this part of it more in a step: they still hardly meet.
 const CLOSES: f64 = 0.4;
 /// Among many, how much faster than they are to balls may part, as a part of what gravity gives in a step.
 const FASTER: f64 = 0.1;
@@ -101,6 +101,11 @@ impl Carry {
     pub(super) fn counts_flurry(&mut self, most: u32) -> bool {
         self.flurries += 1;
         self.flurries <= most
+    }
+
+    /// How many flurries there were since the last step.
+    pub(super) fn flurries(&self) -> u32 {
+        self.flurries
     }
 
     /// What a contact pushed in the last step.
@@ -327,7 +332,7 @@ impl Exact {
         let near = group.contacts.iter().filter(|contact| contact.gap < touch);
         let contacts = near.map(|contact| Contact { push: contact.push / step, least: 0.0, ..*contact });
         let mut still = Group { contacts: contacts.collect(), ..group.clone() };
-        // Without any that are slow enough, and pressed by none but such, there is nothing to find.
+        // Without any that are slow enough, and pressed by none but such now, there is hardly any to be found.
         still.accelerations.fill(DVec2::ZERO);
         still.choose(gravity, self.rest_speed, false);
         if still.members.iter().all(|member| !member.stays) {

@@ -32,8 +32,10 @@ const GETS_ON: f64 = 1e-3;
 const MARGIN: f64 = 1e-2;
 /// In so many steps at most, ...
 const FEW_STEPS: usize = 100;
-/// ... and, where there is no room for that margin, so many without it.
+/// ... and, where there is no room for that margin, so many without it. Where that is not enough, ...
 const MANY_STEPS: usize = 400;
+/// ... pushes are solved for directly after so many flurries in a step: exact fits would take more and more of them.
+const FEW_FLURRIES: u32 = 8;
 /// So many flurries are ended in a step: more are of balls that are wedged in, and stopped as such.
 const MOST_FLURRIES: u32 = 64;
 
@@ -98,25 +100,16 @@ impl Exact {
             return None;
         }
         let before = group.velocities.clone();
-        // With a margin, as long as there is room for it; where there is none what is left would only begin the next flurry.
-        let passes = [(MARGIN * fastest, FEW_STEPS), (0.0, MANY_STEPS)];
-        for &(margin, most_steps) in &passes[usize::from(!group.has_many_contacts())..] {
-            // False for a NaN.
-            let loses = group.energy(&group.velocities) <= group.energy(&before);
-            if !loses {
-                group.velocities.clone_from(&before);
-                group.contacts.iter_mut().for_each(|contact| contact.push = 0.0);
-            }
-            group.contacts.iter_mut().for_each(|contact| contact.least += margin);
-            let precision = PRECISION * self.rest_speed + 0.5 * margin;
-            let enough =
-                Enough { slower: precision, closing: 0.0, faster: precision, dead: margin, most_steps };
-            let steps = group.move_on(enough);
-            self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
-            group.contacts.iter_mut().for_each(|contact| contact.least -= margin);
-            if group.slowest_parting() >= -PRECISION * self.rest_speed {
-                break;
-            }
+        let nearly = group.takes_gradients();
+        // With a margin, as long as there is room for it.
+        let found = nearly
+            && (self.take_nearly(group, &before, (MARGIN * fastest, FEW_STEPS))
+                || self.take_nearly(group, &before, (0.0, MANY_STEPS)));
+        // What is left only begins the next flurry.
+        if !(nearly && (found || self.carry.flurries() <= FEW_FLURRIES)) {
+            group.go_back_unless_it_loses(&before);
+            let steps = group.move_on_exactly(PRECISION * self.rest_speed);
+            self.note_steps(group, steps);
         }
         let found = std::mem::replace(&mut group.velocities, before);
         // False for a NaN.
@@ -125,6 +118,30 @@ impl Exact {
             group.velocities = found;
             (fastest, by_walls)
         })
+    }
+
+    /// Takes it by gradients, in so many steps at most, so far that what pushes parts faster than it has to by a margin, px/s, and
+    /// returns whether nothing is left of it.
+    fn take_nearly(
+        &mut self,
+        group: &mut Group,
+        before: &[DVec2],
+        (margin, most_steps): (f64, usize),
+    ) -> bool {
+        group.go_back_unless_it_loses(before);
+        group.contacts.iter_mut().for_each(|contact| contact.least += margin);
+        let precision = PRECISION * self.rest_speed;
+        let half = precision + 0.5 * margin;
+        let steps =
+            group.move_on(Enough { slower: half, closing: 0.0, faster: half, dead: margin, most_steps });
+        group.contacts.iter_mut().for_each(|contact| contact.least -= margin);
+        self.note_steps(group, steps);
+        group.slowest_parting() >= -precision
+    }
+
+    /// Notes for the caller's watch what steps to find a group's velocities took.
+    fn note_steps(&mut self, group: &Group, steps: usize) {
+        self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
     }
 
     /// Lets those of a group's balls set out that have been pushed.

@@ -18,8 +18,12 @@ pub(super) const RATTLER: f64 = 20.0;
 const LEAST_GIVEN: f64 = 0.3;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
 const FEW_CONTACTS: usize = 32;
-/// Pushes at more contacts than this are found by gradients when a group moves on.
+/// Pushes at more contacts than this are found by gradients when a group moves on, ...
 const MANY_CONTACTS: usize = 400;
+/// ... unless a ball has more than so many times the mass of another, or it is so many times as long as it is wide: gradients take more
+/// steps then, as many as there are layers, and solving for all in the order of their places takes less.
+const MOST_UNLIKE: f64 = 10.0;
+const MOST_SLENDER: f64 = 8.0;
 
 /// A ball of a group.
 #[derive(Debug, Clone, Copy)]
@@ -176,16 +180,33 @@ impl Group {
     /// Looks for velocities with which each contact's members part as fast as they are to at least, from what contacts push
     /// already, and returns how many steps it took.
     pub(super) fn move_on(&mut self, enough: Enough) -> usize {
-        if self.has_many_contacts() {
+        if self.takes_gradients() {
             return accelerate(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough);
         }
-        self.line_up();
-        descend(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough.slower)
+        self.move_on_exactly(enough.slower)
     }
 
-    /// Whether velocities are not found to the last digit when it moves on.
-    pub(super) fn has_many_contacts(&self) -> bool {
-        self.contacts.len() > MANY_CONTACTS
+    /// The same, solving for all pushes directly, however many there are.
+    pub(super) fn move_on_exactly(&mut self, enough: f64) -> usize {
+        self.line_up();
+        descend(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
+    }
+
+    /// Whether it moves on by gradients: velocities are not found to the last digit then.
+    pub(super) fn takes_gradients(&self) -> bool {
+        let size = self.size();
+        let is_compact = size.max_element() <= MOST_SLENDER * size.min_element();
+        self.contacts.len() > MANY_CONTACTS && is_compact && self.most_unlike() <= MOST_UNLIKE
+    }
+
+    /// Goes back to these velocities, without pushes, unless those that it has take energy.
+    pub(super) fn go_back_unless_it_loses(&mut self, before: &[DVec2]) {
+        // False for a NaN.
+        let loses = self.energy(&self.velocities) <= self.energy(before);
+        if !loses {
+            self.velocities.copy_from_slice(before);
+            self.contacts.iter_mut().for_each(|contact| contact.push = 0.0);
+        }
     }
 
     /// How much faster than it is to the contact parts that does so least, px/s.
@@ -201,12 +222,16 @@ impl Group {
         pushed
     }
 
+    /// From the first to the last of its balls' centres, px.
+    fn size(&self) -> DVec2 {
+        let places = || self.members.iter().map(|member| member.position);
+        places().fold(DVec2::NEG_INFINITY, DVec2::max) - places().fold(DVec2::INFINITY, DVec2::min)
+    }
+
     /// Puts contacts into the order of their places along the group's longer side: those that have a member in common are near
     /// each other then.
     fn line_up(&mut self) {
-        let positions = || self.members.iter().map(|member| member.position);
-        let size =
-            positions().fold(DVec2::NEG_INFINITY, DVec2::max) - positions().fold(DVec2::INFINITY, DVec2::min);
+        let size = self.size();
         let axis = usize::from(size.y > size.x);
         let place = |member: usize| self.members[member].position[axis];
         let middle = |contact: &Contact| match contact.against {
