@@ -19,7 +19,7 @@ use super::contacts::{Contact, Support};
 use super::flights::Marks;
 use super::gradients::Enough;
 use super::group::{Group, Member};
-use super::settle::{Belong, LIFTED, Near, STEPS_PER_EVENT};
+use super::settle::{Belong, LIFTED, Near};
 use super::{Exact, Needs};
 
 /// Steps while a hop at the rest speed lasts: what is carried hops at half of it.
@@ -301,7 +301,7 @@ impl Exact {
                 contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
             }
             let steps = group.move_on(enough);
-            self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
+            self.note_steps(group, steps);
             // Comparisons that are false for a NaN.
             let given: f64 = group.contacts.iter().map(|contact| contact.push * contact.least.max(0.0)).sum();
             if given <= most_given && group.energy(&group.velocities) <= group.energy(&kicked) {

@@ -140,7 +140,7 @@ impl Exact {
     }
 
     /// Notes for the caller's watch what steps to find a group's velocities took.
-    fn note_steps(&mut self, group: &Group, steps: usize) {
+    pub(super) fn note_steps(&mut self, group: &Group, steps: usize) {
         self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
     }
 

@@ -194,9 +194,11 @@ impl Group {
 
     /// Whether it moves on by gradients: velocities are not found to the last digit then.
     pub(super) fn takes_gradients(&self) -> bool {
-        let size = self.size();
-        let is_compact = size.max_element() <= MOST_SLENDER * size.min_element();
-        self.contacts.len() > MANY_CONTACTS && is_compact && self.most_unlike() <= MOST_UNLIKE
+        let is_compact = || {
+            let size = self.size();
+            size.max_element() <= MOST_SLENDER * size.min_element()
+        };
+        self.contacts.len() > MANY_CONTACTS && is_compact() && self.most_unlike() <= MOST_UNLIKE
     }
 
     /// Goes back to these velocities, without pushes, unless those that it has take energy.
