@@ -15,9 +15,9 @@ use glam::DVec2;
 use crate::simulation::Tally;
 use crate::simulation::clock::Clock;
 
+use super::blows::Blow;
 use super::contacts::{Contact, Support};
 use super::flights::Marks;
-use super::gradients::Enough;
 use super::group::{Group, Member};
 use super::settle::{Belong, LIFTED, Near};
 use super::{Exact, Needs};
@@ -28,28 +28,6 @@ const STEPS_PER_HOP: f64 = 2.0;
 const FEWEST: usize = 24;
 /// Groups in which one ball has so many times the mass of another are not: the velocities would not be found well enough.
 const UNLIKE: f64 = 1000.0;
-/// The part of what is between two balls that is left after a step at least.
-const KEPT_APART: f64 = 0.5;
-/// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: the nearer they are, the
-/// more often they hit each other once a blow has made them faster, and the farther, the more is a crowd lifted.
-const APART: f64 = 0.01;
-/// The energy that contacts give at most to balls that are to part, as a part of that of their mass at the rest speed, twice, beside
-/// what it takes to lift as many layers as they lie in. They give a few thousandths, and where there is no room a thousand times as much
-/// as all.
-const MOST_GIVEN: f64 = 0.03125;
-/// How exactly velocities are found, as a part of what gravity gives in a step.
-const PRECISION: f64 = 1e-4;
-/// Among many, what is between two balls may close by this part of it more in a step: they still hardly meet.
-const CLOSES: f64 = 0.4;
-/// Among many, how much faster than they are to balls may part, as a part of what gravity gives in a step.
-const FASTER: f64 = 0.1;
-/// Among many, that is enough after so many steps.
-const MOST_STEPS: usize = 100;
-/// Steps from one search for forces that balance gravity to the next.
-const STEPS_PER_SEARCH: u64 = 8;
-/// Steps from one try to part where there is no room to the next.
-const STEPS_PER_PARTING: u64 = 16;
-
 /// What is known of the balls that are carried, beside their flights.
 #[derive(Debug, Clone)]
 pub(super) struct Carry {
@@ -63,20 +41,22 @@ pub(super) struct Carry {
     pushes: Vec<(Key, f64)>,
     /// How many flurries there were since the last step.
     flurries: u32,
+    /// What has hit what is carried since then, and may wait.
+    pub(super) blows: Vec<Blow>,
 }
 
 /// A contact: the slot of a ball, and that of the other, or a number for a wall that no slot has.
-type Key = (u32, u32);
+pub(super) type Key = (u32, u32);
 
 impl Carry {
     /// Nothing is carried. A hop at the rest speed lasts so long, s.
     pub(super) fn new(hop_time: f64) -> Self {
         let rate = (STEPS_PER_HOP / hop_time).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
-        Self { rate, next: None, is_new: false, pushes: Vec::new(), flurries: 0 }
+        Self { rate, next: None, is_new: false, pushes: Vec::new(), flurries: 0, blows: Vec::new() }
     }
 
     /// How long a step is, s.
-    fn step(&self) -> f64 {
+    pub(super) fn step(&self) -> f64 {
         f64::from(self.rate).recip()
     }
 
@@ -109,13 +89,13 @@ impl Carry {
     }
 
     /// What a contact pushed in the last step.
-    fn push(&self, key: Key) -> f64 {
+    pub(super) fn push(&self, key: Key) -> f64 {
         self.pushes.binary_search_by_key(&key, |(key, _)| *key).map_or(0.0, |at| self.pushes[at].1)
     }
 }
 
 /// By what a contact is known from step to step.
-fn key(members: &[Member], contact: &Contact) -> Key {
+pub(super) fn key(members: &[Member], contact: &Contact) -> Key {
     let one = members[contact.one].slot as u32;
     match contact.against {
         Support::Member(other) => {
@@ -173,7 +153,7 @@ impl Exact {
 
     /// Whether a group that does not come to rest at once is carried. Without room its balls would not find velocities.
     pub(super) fn may_be_carried(&self, group: &Group) -> bool {
-        let carried = |member: &Member| self.marks[member.slot].has(Marks::CARRIED);
+        let carried = |member: &Member| self.marks[member.slot].has(Marks::GOES_ALONG);
         self.gravity != DVec2::ZERO
             && !self.is_crammed()
             && group.absorbs
@@ -186,16 +166,22 @@ impl Exact {
     /// Moves all that is carried, and what has chattered for long beside it, on to their next step.
     pub(super) fn step<N: Needs>(&mut self, tally: &mut Tally, now: f64) {
         (self.carry.next, self.carry.flurries) = (None, 0);
+        self.take_blows::<N>(now);
+        let farther = self.farthest_way::<N>(now, self.carry.step()).max(self.swing_distance());
         let mut pushes = Vec::new();
         let mut seen = vec![false; self.flights.len()];
         let counted = |slot: &usize| self.marks[*slot].hits_in_step() > 0;
         let counted: Vec<usize> = (0..self.marks.len()).filter(counted).collect();
-        self.marks.iter_mut().for_each(|marks| marks.count_hits(false));
+        for marks in &mut self.marks {
+            let among_many = marks.is_among_many();
+            marks.set(Marks::AMONG_MANY, among_many);
+            marks.count_hits(false);
+        }
         for slot in 0..seen.len() {
             let marks = self.marks[slot];
             let moves = !(seen[slot] || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed());
-            if moves && (marks.has(Marks::CARRIED) || marks.is_restless()) {
-                let near = Near { touch: self.carry_touch(), belong: Belong::Slow(1.0) };
+            if moves && (marks.has(Marks::GOES_ALONG) || marks.is_restless()) {
+                let near = Near { touch: self.carry_touch(), belong: Belong::Slow(1.0), farther };
                 let group = self.gather::<N>(slot, now, near);
                 group.members.iter().for_each(|member| seen[member.slot] = true);
                 self.step_group::<N>(tally, group, now, &mut pushes);
@@ -209,6 +195,7 @@ impl Exact {
             // There is no step that they could be counted from.
             self.marks.iter_mut().for_each(|marks| marks.count_hits(false));
         }
+        self.end_blows();
         pushes.sort_unstable_by_key(|(key, _)| *key);
         self.carry.pushes = pushes;
         // All that it is called for by is known now.
@@ -240,7 +227,7 @@ impl Exact {
     }
 
     /// Whether a step is one of so many.
-    fn is_nth_step(&self, now: f64, nth: u64) -> bool {
+    pub(super) fn is_nth_step(&self, now: f64, nth: u64) -> bool {
         let (steps, _) = self.origin.after(now).steps(self.carry.rate);
         steps % nth == 0
     }
@@ -258,104 +245,16 @@ impl Exact {
         .collect()
     }
 
-    /// In how many layers a group's balls lie, about.
-    fn layers<N: Needs>(&self, group: &Group) -> f64 {
-        let down = self.gravity.normalize_or_zero();
-        let places = || group.members.iter().map(|member| member.position.dot(down));
-        let depth = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
-        let radii: f64 = group.members.iter().map(|member| self.matter::<N>(member.slot).radius).sum();
-        depth / (2.0 * radii / group.members.len() as f64)
-    }
-
-    /// Finds the velocities with which a group's balls stay apart until the next step, starting from what their contacts pushed in
-    /// the last one, and returns the momentum that walls give, if there are any velocities that take energy: what is nearer than it is
-    /// kept parts, or where that has no room, or takes none, does at least not come nearer. What is left of approaches impacts see to.
-    fn find_velocities<N: Needs>(&mut self, group: &mut Group, now: f64) -> Option<DVec2> {
-        let step = self.carry.step();
-        let gravity = self.gravity.length();
-        let (apart, kick) = (APART * gravity * step * step, gravity * step);
-        let enough = Enough {
-            slower: PRECISION * kick,
-            closing: CLOSES / step,
-            faster: FASTER * kick,
-            dead: 0.0,
-            most_steps: MOST_STEPS,
-        };
-        for contact in &mut group.contacts {
-            contact.least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(0.5 * self.rest_speed);
-        }
-        let kicked = group.velocities.clone();
-        let mass: f64 = group.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).sum();
-        let lifts = gravity * apart * self.layers::<N>(group);
-        let most_given = mass * (MOST_GIVEN * self.rest_speed * self.rest_speed + lifts);
-        // Where there was no room a moment ago there is none.
-        let were_tight = group.members.iter().filter(|member| self.marks[member.slot].has(Marks::TIGHT));
-        let tight = !self.is_nth_step(now, STEPS_PER_PARTING) && 2 * were_tight.count() > group.members.len();
-        let all = [f64::INFINITY, 0.0];
-        for &most in &all[usize::from(tight)..] {
-            group.velocities.clone_from(&kicked);
-            for contact in &mut group.contacts {
-                contact.least = contact.least.min(most);
-                // Pushes without bounds lead nowhere from where there is no room.
-                contact.push = if most > 0.0 { self.carry.push(key(&group.members, contact)) } else { 0.0 };
-                contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
-            }
-            let steps = group.move_on(enough);
-            self.note_steps(group, steps);
-            // Comparisons that are false for a NaN.
-            let given: f64 = group.contacts.iter().map(|contact| contact.push * contact.least.max(0.0)).sum();
-            if given <= most_given && group.energy(&group.velocities) <= group.energy(&kicked) {
-                let found = std::mem::replace(&mut group.velocities, kicked);
-                let by_walls = group.by_walls(&found, &group.contacts, 1.0);
-                group.velocities = found;
-                for member in &group.members {
-                    self.marks[member.slot].set(Marks::TIGHT, most == 0.0);
-                }
-                return Some(by_walls);
-            }
-        }
-        group.velocities = kicked;
-        None
-    }
-
-    /// Chooses the members of a group that are held from now on, by how their velocities changed, and now and then, since what
-    /// is between balls still closes for a while, by whether forces can balance gravity.
-    fn choose_held(&self, group: &mut Group, means: &[DVec2], now: f64) {
-        let (gravity, step) = (self.gravity.length(), self.carry.step());
-        let changes = group.velocities.iter().zip(means).map(|(velocity, mean)| (*velocity - *mean) / step);
-        group.accelerations = changes.collect();
-        group.choose(gravity, self.rest_speed, false);
-        if !self.is_nth_step(now, STEPS_PER_SEARCH) || group.members.iter().all(|member| member.stays) {
-            return;
-        }
-        let touch = self.touch_distance();
-        let near = group.contacts.iter().filter(|contact| contact.gap < touch);
-        let contacts = near.map(|contact| Contact { push: contact.push / step, least: 0.0, ..*contact });
-        let mut still = Group { contacts: contacts.collect(), ..group.clone() };
-        // Without any that are slow enough, and pressed by none but such now, there is hardly any to be found.
-        still.accelerations.fill(DVec2::ZERO);
-        still.choose(gravity, self.rest_speed, false);
-        if still.members.iter().all(|member| !member.stays) {
-            return;
-        }
-        still.accelerations.fill(self.gravity);
-        for contact in &still.contacts {
-            contact.apply(contact.push, &mut still.accelerations, &still.inverse_masses);
-        }
-        still.balance(gravity);
-        still.choose(gravity, self.rest_speed, false);
-        group.members = still.members;
-    }
-
     /// Lets a group's balls set out with their new velocities, or holds them.
     fn carry_on<N: Needs>(&mut self, group: &Group, now: f64) {
-        let pushed = group.pushed();
+        let (pushed, many) = (group.pushed(), group.is_of_many());
         let half_kick = self.gravity * (0.5 * self.carry.step());
         let each = group.members.iter().zip(&group.velocities).zip(pushed);
         for ((&Member { slot, position, stays, .. }, &velocity), pushed) in each {
             let held = self.marks[slot].has(Marks::HELD);
             self.marks[slot].calm_down();
             self.marks[slot].count_hits(!stays);
+            self.marks[slot].set(Marks::AMONG_MANY, many);
             if held && stays {
                 continue;
             }

@@ -124,7 +124,8 @@ impl Matter {
 /// - 12 to 15: [`chatter`](Self::chatter);
 /// - 16: [`CARRIED`](Self::CARRIED);
 /// - 17 to 20: [`hits_in_step`](Self::hits_in_step);
-/// - 21: [`TIGHT`](Self::TIGHT).
+/// - 21: [`TIGHT`](Self::TIGHT);
+/// - 22 and 23: [`WAITS`](Self::WAITS) and [`AMONG_MANY`](Self::AMONG_MANY).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Marks(u32);
 
@@ -141,6 +142,12 @@ impl Marks {
     pub(super) const CARRIED: Self = Self(1 << 16);
     /// It is carried where there was no room to part, a step ago or a few.
     pub(super) const TIGHT: Self = Self(1 << 21);
+    /// It has hit what is carried, and waits for the next step (see `blows`).
+    pub(super) const WAITS: Self = Self(1 << 22);
+    /// It was of a group of many that was carried on in the last step, if it was of any.
+    pub(super) const AMONG_MANY: Self = Self(1 << 23);
+    /// It is carried, or waits.
+    pub(super) const GOES_ALONG: Self = Self(Self::CARRIED.0 | Self::WAITS.0);
     /// As many quick hits as are counted, in four bits.
     const MOST_QUICK: u32 = 15;
     /// As many hits in a step as are counted, in four bits.
@@ -221,6 +228,11 @@ impl Marks {
     pub(super) fn free_part(self, of: DVec2) -> DVec2 {
         let free = |axis: usize| if self.has(Self::rests_on(axis)) { 0.0 } else { of[axis] };
         DVec2::new(free(0), free(1))
+    }
+
+    /// Whether it was of a group of many that was carried on in the last step, or waits, which nothing does but beside such.
+    pub(super) fn is_among_many(self) -> bool {
+        self.has(Self::WAITS) || self.has(Self::AMONG_MANY) && self.hits_in_step() > 0
     }
 
     /// Forgets the chatter so far.

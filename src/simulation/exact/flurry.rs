@@ -32,10 +32,10 @@ const GETS_ON: f64 = 1e-3;
 const MARGIN: f64 = 1e-2;
 /// In so many steps at most, ...
 const FEW_STEPS: usize = 100;
-/// ... and, where there is no room for that margin, so many without it. Where that is not enough, ...
-const MANY_STEPS: usize = 400;
-/// ... pushes are solved for directly after so many flurries in a step: exact fits would take more and more of them.
-const FEW_FLURRIES: u32 = 8;
+/// ... and, where there is no room for that margin, so many without it.
+const MANY_STEPS: usize = 100;
+/// Many wait for the next step after so many flurries since the last one: exact fits would have more and more of them.
+const FEW_FLURRIES: u32 = 4;
 /// So many flurries are ended in a step: more are of balls that are wedged in, and stopped as such.
 const MOST_FLURRIES: u32 = 64;
 
@@ -58,7 +58,11 @@ impl Exact {
     pub(super) fn end_flurry<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
         let Some(next) = self.carry.next_since(self.origin) else { return };
         let left = (next - now).max(INSTANT);
-        let near = Near { touch: self.carry_touch(), belong: Belong::Flurry };
+        let near = Near {
+            touch: self.carry_touch(),
+            belong: Belong::Flurry,
+            farther: self.farthest_way::<N>(now, left),
+        };
         let mut group = self.gather::<N>(slot, now, near);
         let deep = group.members.iter().any(|member| member.deep);
         let may_end = !deep && group.absorbs && self.carry.counts_flurry(MOST_FLURRIES);
@@ -67,6 +71,9 @@ impl Exact {
         if !may_end {
             // It goes on until the step, and what came no nearer to others may do so.
             return group.members.iter().for_each(|member| self.foresee::<N>(member.slot, now));
+        }
+        if group.is_of_many() && self.carry.flurries() > FEW_FLURRIES {
+            return self.wait_in_place::<N>(&group, left, now);
         }
         // What is held is freed by a firm hit.
         let firm = FIRM * self.rest_speed;
@@ -101,13 +108,13 @@ impl Exact {
         }
         let before = group.velocities.clone();
         let nearly = group.takes_gradients();
-        // With a margin, as long as there is room for it.
-        let found = nearly
-            && (self.take_nearly(group, &before, (MARGIN * fastest, FEW_STEPS))
-                || self.take_nearly(group, &before, (0.0, MANY_STEPS)));
-        // What is left only begins the next flurry.
-        if !(nearly && (found || self.carry.flurries() <= FEW_FLURRIES)) {
-            group.go_back_unless_it_loses(&before);
+        if nearly {
+            // With a margin, as long as there is room for it. What is left then only begins the next flurry.
+            let found = self.take_nearly(group, &before, (MARGIN * fastest, FEW_STEPS));
+            if !found {
+                self.take_nearly(group, &before, (0.0, MANY_STEPS));
+            }
+        } else {
             let steps = group.move_on_exactly(PRECISION * self.rest_speed);
             self.note_steps(group, steps);
         }

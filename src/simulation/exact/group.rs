@@ -165,6 +165,11 @@ impl Group {
         given - by_those
     }
 
+    /// The mass of all.
+    pub(super) fn mass(&self) -> f64 {
+        self.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).sum()
+    }
+
     /// Twice their kinetic energy with these velocities.
     pub(super) fn energy(&self, velocities: &[DVec2]) -> f64 {
         let each = velocities.iter().zip(&self.inverse_masses);
@@ -192,13 +197,18 @@ impl Group {
         descend(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
     }
 
+    /// Whether it has many contacts.
+    pub(super) fn is_of_many(&self) -> bool {
+        self.contacts.len() > MANY_CONTACTS
+    }
+
     /// Whether it moves on by gradients: velocities are not found to the last digit then.
     pub(super) fn takes_gradients(&self) -> bool {
         let is_compact = || {
             let size = self.size();
             size.max_element() <= MOST_SLENDER * size.min_element()
         };
-        self.contacts.len() > MANY_CONTACTS && is_compact() && self.most_unlike() <= MOST_UNLIKE
+        self.is_of_many() && is_compact() && self.most_unlike() <= MOST_UNLIKE
     }
 
     /// Goes back to these velocities, without pushes, unless those that it has take energy.

@@ -113,12 +113,12 @@ impl Exact {
         self.walls.is_some() && jams(self.size, radius).test(axis)
     }
 
-    /// Begins a new flight of a ball, which is not carried any more unless whoever does it says so.
+    /// Begins a new flight of a ball, which is not carried, nor waits, any more unless whoever does it says so.
     #[inline]
     pub(super) fn set_out(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
         let soon = self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter_time;
         self.marks[slot].strike(soon);
-        self.marks[slot].set(Marks::CARRIED, false);
+        self.marks[slot].set(Marks::GOES_ALONG, false);
         let flight = &mut self.flights[slot];
         (flight.position, flight.velocity, flight.time) = (position, velocity, now);
     }
@@ -132,6 +132,10 @@ impl Exact {
         high: bool,
         now: f64,
     ) {
+        if N::HOLDS && self.marks[slot].has(Marks::WAITS) {
+            self.end_wait::<N>(slot, now);
+            return self.foresee::<N>(slot, now);
+        }
         let (mut position, mut velocity) = self.state::<N>(slot, now);
         if N::HOLDS && velocity[axis].abs() > FIRM * self.rest_speed {
             velocity = self.throw_off(slot, velocity, now);
@@ -206,7 +210,12 @@ impl Exact {
             // Very near it.
             meeting.offset = any_offset(one, other, 1e-9);
         }
-        if N::HOLDS && !meeting.slower_than(FIRM * self.rest_speed) {
+        let firm = N::HOLDS && !meeting.slower_than(FIRM * self.rest_speed);
+        if N::HOLDS && self.waits_at::<N>([one, other], firm, now) {
+            tally.impacts += 1;
+            return;
+        }
+        if firm {
             for slot in [one, other] {
                 if self.marks[slot].has(Marks::HELD) {
                     self.free::<N>(slot, now);

@@ -12,13 +12,15 @@
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
 //! - `settle`, `group`, `contacts`, `gradients`: how they come to rest on each other;
-//! - `carry`, `flurry`: how many go on that press on each other until then, and what ends their flurries of hits;
+//! - `carry`, `onward`, `blows`, `flurry`: how many go on that press on each other until then, what becomes of blows on them, and what
+//!   ends their flurries of hits;
 //! - `pace`: whether there are more impacts than can be followed;
 //! - `pressing`: when it ends because balls press on each other, where `contact` holds these;
 //! - `cells`, `swept`, `calendar`: where balls are, and will be, and the queue;
 //! - `read_ahead`: how memory is kept from being waited for, where balls are many.
 
 mod begin;
+mod blows;
 mod calendar;
 mod carry;
 mod cells;
@@ -31,6 +33,7 @@ mod gradients;
 mod group;
 mod impacts;
 mod meetings;
+mod onward;
 mod pace;
 mod pressing;
 mod read_ahead;
@@ -187,7 +190,11 @@ impl Exact {
             (ball.position, ball.velocity) =
                 if N::HOLDS { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
             if N::HOLDS {
-                ball.velocity = self.true_velocity(slot, ball.velocity, since_middle);
+                ball.velocity = if marks.has(Marks::WAITS) {
+                    self.own_velocity(slot, ball.position)
+                } else {
+                    self.true_velocity(slot, ball.velocity, since_middle)
+                };
             }
             // What is held, or has no room, rests along both axes.
             let leans = marks.has(Marks::LEANS) && (marks.rests() == 3 || now - flight.time < lean);

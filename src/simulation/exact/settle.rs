@@ -52,6 +52,8 @@ const NONE: u32 = u32::MAX;
 pub(super) struct Near {
     pub(super) touch: f64,
     pub(super) belong: Belong,
+    /// By how much farther from each other those may be that both are among many, px.
+    pub(super) farther: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,6 +72,9 @@ impl Exact {
     pub(super) fn settle<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
         let stuck = self.is_crammed();
         let Some(mut group) = self.group_to_stop::<N>(slot, now, stuck) else { return };
+        if group.takes_gradients() && self.may_be_carried(&group) {
+            return self.leave_to_step::<N>(&mut group, now);
+        }
         let stopped = group.take_approach();
         let (mut steps, mut by_walls, mut carry) = (stopped.steps, stopped.by_walls, false);
         if self.gravity != DVec2::ZERO {
@@ -95,6 +100,16 @@ impl Exact {
         self.note_leaning(&group);
     }
 
+    /// Carries a group of many, except those that are held: what becomes of them its next step finds out by gradients, in less time.
+    fn leave_to_step<N: Needs>(&mut self, group: &mut Group, now: f64) {
+        self.call_step(now);
+        self.credit -= group.members.len() as i64;
+        for member in &mut group.members {
+            member.stays = self.marks[member.slot].has(Marks::HELD);
+        }
+        self.lay_down::<N>(group, true, now);
+    }
+
     /// Whether so much happens at one time that balls that overlap have no room to part.
     pub(super) fn is_crammed(&self) -> bool {
         self.at_once > STUCK.max(STUCK_PER_BALL * self.flights.len())
@@ -108,9 +123,9 @@ impl Exact {
             return None;
         }
         let belong = if stuck { Belong::Slow(SLOW) } else { Belong::UpToCarried(SLOW) };
-        let near = Near { touch: self.touch_distance(), belong };
+        let near = Near { touch: self.touch_distance(), belong, farther: 0.0 };
         let group = self.gather::<N>(slot, now, near);
-        if !stuck && group.members.iter().any(|member| self.marks[member.slot].has(Marks::CARRIED)) {
+        if !stuck && group.members.iter().any(|member| self.marks[member.slot].has(Marks::GOES_ALONG)) {
             self.credit -= group.members.len() as i64;
             return None;
         }
@@ -204,7 +219,7 @@ impl Exact {
 
     /// The balls that touch a ball, those that touch these and so on, as far as they belong together.
     pub(super) fn gather<N: Needs>(&mut self, slot: usize, now: f64, near: Near) -> Group {
-        let Near { touch, belong } = near;
+        let Near { touch, belong, farther } = near;
         let (up_to_carried, flurry) = (matches!(belong, Belong::UpToCarried(_)), belong == Belong::Flurry);
         let mut group = Group { absorbs: self.wedged(), ..Group::default() };
         let mut found = std::mem::take(&mut self.found);
@@ -212,7 +227,8 @@ impl Exact {
         let add = |group: &mut Group, slot: usize| {
             group.add(slot, self.state::<N>(slot, now), self.matter::<N>(slot).mass, self.gravity) as u32
         };
-        let restless = |slot: usize| self.marks[slot].is_restless() || self.marks[slot].has(Marks::CARRIED);
+        let restless =
+            |slot: usize| self.marks[slot].is_restless() || self.marks[slot].has(Marks::GOES_ALONG);
         found[slot] = add(&mut group, slot);
         let mut at = 0;
         while at < group.members.len() {
@@ -221,6 +237,7 @@ impl Exact {
                 break;
             }
             let Matter { radius, restitution, .. } = *self.matter::<N>(one);
+            let among_many = self.marks[one].has(Marks::AMONG_MANY);
             for (axis, high) in [(0, false), (0, true), (1, false), (1, true)] {
                 let place = position[axis];
                 let gap = if high { self.size[axis] - radius - place } else { place - radius };
@@ -244,6 +261,8 @@ impl Exact {
                 let offset = position - their_position;
                 let (length, reach) = (offset.length(), radius + matter.radius);
                 let e = restitution.min(matter.restitution);
+                let both = among_many && self.marks[slot].has(Marks::AMONG_MANY);
+                let touch = if both { touch + farther } else { touch };
                 if length - reach >= touch || length == 0.0 || !self.takes_energy(e) {
                     return;
                 }
@@ -291,7 +310,7 @@ impl Exact {
     fn is_of_flurry<N: Needs>(&self, slot: usize) -> bool {
         let marks = self.marks[slot];
         let hit = marks.hits_in_step() > 0 || marks.quick_hits() >= QUICK;
-        hit || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed()
+        hit && !marks.has(Marks::WAITS) || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed()
     }
 
     /// Whether a ball goes to and fro beside one that is so much heavier: how fast it does says nothing of that.

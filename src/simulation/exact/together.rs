@@ -103,7 +103,10 @@ impl Exact {
                 let Some(meeting) = self.meets::<N>((slot, own), (other, (position, velocity))) else {
                     continue;
                 };
-                if meeting.may_rest || group.contacts.len() == MOST_TOGETHER {
+                if meeting.may_rest
+                    || self.marks[other].has(Marks::WAITS)
+                    || group.contacts.len() == MOST_TOGETHER
+                {
                     return None;
                 }
                 let second = match known {

@@ -1,0 +1,147 @@
+//! With which velocities balls that are carried go on until their next step, and which of them are held from then on.
+
+use glam::DVec2;
+
+use super::carry::key;
+use super::contacts::Contact;
+use super::flights::Marks;
+use super::gradients::Enough;
+use super::group::Group;
+use super::settle::FIRM;
+use super::{Exact, Needs};
+
+/// The part of what is between two balls that is left after a step at least.
+const KEPT_APART: f64 = 0.5;
+/// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: the nearer they are, the
+/// more often they hit each other once a blow has made them faster, and the farther, the more is a crowd lifted.
+const APART: f64 = 0.01;
+/// The energy that contacts give at most to balls that are to part, as a part of that of their mass at the rest speed, twice, beside
+/// what it takes to lift as many layers as they lie in. They give a few thousandths, and where there is no room a thousand times as much
+/// as all.
+const MOST_GIVEN: f64 = 0.03125;
+/// How exactly velocities are found, as a part of what gravity gives in a step.
+const PRECISION: f64 = 1e-4;
+/// Among many, what is between two balls may close by this part of it more in a step: they still hardly meet.
+const CLOSES: f64 = 0.4;
+/// Among many, how much faster than they are to balls may part, as a part of what gravity gives in a step.
+const FASTER: f64 = 0.1;
+/// Among many, that is enough after so many steps.
+const MOST_STEPS: usize = 200;
+/// So many rest speeds a crowd of many swings at before it comes to rest: how far balls go at that until the next step is how near they
+/// are then that may hold each other.
+const SWINGS: f64 = 10.0;
+/// Steps from one search for forces that balance gravity to the next.
+const STEPS_PER_SEARCH: u64 = 8;
+/// Steps from one try to part where there is no room to the next.
+const STEPS_PER_PARTING: u64 = 16;
+
+impl Exact {
+    /// In how many layers a group's balls lie, about.
+    fn layers<N: Needs>(&self, group: &Group) -> f64 {
+        let down = self.gravity.normalize_or_zero();
+        let places = || group.members.iter().map(|member| member.position.dot(down));
+        let depth = places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min);
+        let radii: f64 = group.members.iter().map(|member| self.matter::<N>(member.slot).radius).sum();
+        depth / (2.0 * radii / group.members.len() as f64)
+    }
+
+    /// Finds the velocities with which a group's balls stay apart until the next step, starting from what their contacts pushed in
+    /// the last one, and returns the momentum that walls give, if there are any velocities that take energy: what is nearer than it is
+    /// kept parts, or where that has no room, or takes none, does at least not come nearer. What is left of approaches impacts see to.
+    pub(super) fn find_velocities<N: Needs>(&mut self, group: &mut Group, now: f64) -> Option<DVec2> {
+        let step = self.carry.step();
+        let gravity = self.gravity.length();
+        let (apart, kick) = (APART * gravity * step * step, gravity * step);
+        let enough = Enough {
+            slower: PRECISION * kick,
+            closing: CLOSES / step,
+            faster: FASTER * kick,
+            dead: 0.0,
+            most_steps: MOST_STEPS,
+        };
+        let fastest_parting = 0.5 * self.rest_speed;
+        for contact in &mut group.contacts {
+            contact.least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(fastest_parting);
+        }
+        self.rebound::<N>(group);
+        let kicked = group.velocities.clone();
+        let lifts = gravity * apart * self.layers::<N>(group);
+        let most_given = group.mass() * (MOST_GIVEN * self.rest_speed * self.rest_speed + lifts);
+        // Where there was no room a moment ago there is none.
+        let were_tight = group.members.iter().filter(|member| self.marks[member.slot].has(Marks::TIGHT));
+        let tight = !self.is_nth_step(now, STEPS_PER_PARTING) && 2 * were_tight.count() > group.members.len();
+        let all = [f64::INFINITY, 0.0];
+        for &most in &all[usize::from(tight)..] {
+            group.velocities.clone_from(&kicked);
+            for contact in &mut group.contacts {
+                contact.least = contact.least.min(most);
+                // Pushes without bounds lead nowhere from where there is no room.
+                contact.push = if most > 0.0 { self.carry.push(key(&group.members, contact)) } else { 0.0 };
+                contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
+            }
+            let steps = group.move_on(enough);
+            self.note_steps(group, steps);
+            // What rebounds takes some.
+            let parts = |contact: &&Contact| contact.least > 0.0 && contact.least <= fastest_parting;
+            let given: f64 =
+                group.contacts.iter().filter(parts).map(|contact| contact.push * contact.least).sum();
+            // Comparisons that are false for a NaN.
+            if given <= most_given && group.energy(&group.velocities) <= group.energy(&kicked) {
+                let found = std::mem::replace(&mut group.velocities, kicked);
+                let by_walls = group.by_walls(&found, &group.contacts, 1.0);
+                group.velocities = found;
+                for member in &group.members {
+                    self.marks[member.slot].set(Marks::TIGHT, most == 0.0);
+                }
+                return Some(by_walls);
+            }
+        }
+        group.velocities = kicked;
+        None
+    }
+
+    /// Chooses the members of a group that are held from now on, by how their velocities changed, and now and then, since what
+    /// is between balls still closes for a while, by whether forces can balance gravity.
+    pub(super) fn choose_held(&self, group: &mut Group, means: &[DVec2], now: f64) {
+        let (gravity, step) = (self.gravity.length(), self.carry.step());
+        let changes = group.velocities.iter().zip(means).map(|(velocity, mean)| (*velocity - *mean) / step);
+        group.accelerations = changes.collect();
+        // Where all together have not even the energy of the rest speed, some are faster as they swing.
+        let swings = group.energy(&group.velocities) <= group.mass() * self.rest_speed * self.rest_speed;
+        let slow = if swings { FIRM * self.rest_speed } else { self.rest_speed };
+        group.choose(gravity, slow, false);
+        if !self.is_nth_step(now, STEPS_PER_SEARCH) || group.members.iter().all(|member| member.stays) {
+            return;
+        }
+        let many = group.is_of_many();
+        let touch = if many { self.swing_distance() } else { self.touch_distance() };
+        let near = group.contacts.iter().filter(|contact| contact.gap < touch);
+        let contacts = near.map(|contact| Contact { push: contact.push / step, least: 0.0, ..*contact });
+        let mut still = Group { contacts: contacts.collect(), ..group.clone() };
+        // Without any that are slow enough, and pressed by none but such now, or half of many, there is hardly any to be found.
+        still.accelerations.fill(DVec2::ZERO);
+        still.choose(gravity, slow, false);
+        let may_stay = still.members.iter().filter(|member| member.stays).count();
+        if may_stay == 0 || many && 2 * may_stay < still.members.len() {
+            return;
+        }
+        still.accelerations.fill(self.gravity);
+        for contact in &still.contacts {
+            contact.apply(contact.push, &mut still.accelerations, &still.inverse_masses);
+        }
+        still.balance(gravity);
+        still.choose(gravity, slow, false);
+        group.members = still.members;
+    }
+
+    /// How far the fastest of those that are among many goes in a time, px. Those that are no farther from each other may meet until then.
+    pub(super) fn farthest_way<N: Needs>(&self, now: f64, time: f64) -> f64 {
+        let among = (0..self.flights.len()).filter(|&slot| self.marks[slot].is_among_many());
+        time * among.map(|slot| self.state::<N>(slot, now).1.length()).fold(0.0, f64::max)
+    }
+
+    /// How near balls are that hold each other while a crowd of many swings, px.
+    pub(super) fn swing_distance(&self) -> f64 {
+        SWINGS * self.rest_speed * self.carry.step()
+    }
+}
