@@ -20,6 +20,8 @@ const LEAST_GIVEN: f64 = 0.3;
 const FEW_CONTACTS: usize = 32;
 /// Pushes at more contacts than this are found by gradients when a group moves on, ...
 const MANY_CONTACTS: usize = 400;
+/// ... and forces at them, in so many steps at most, ...
+const BALANCE_STEPS: usize = 2000;
 /// ... unless a ball has more than so many times the mass of another, or it is so many times as long as it is wide: gradients take more
 /// steps then, as many as there are layers, and solving for all in the order of their places takes less.
 const MOST_UNLIKE: f64 = 10.0;
@@ -178,6 +180,12 @@ impl Group {
 
     /// Looks for forces that balance gravity, and returns how many steps it took.
     pub(super) fn balance(&mut self, gravity: f64) -> usize {
+        if self.takes_gradients() {
+            let enough = PRECISION * gravity;
+            let enough =
+                Enough { slower: enough, closing: 0.0, faster: enough, dead: 0.0, most_steps: BALANCE_STEPS };
+            return accelerate(&mut self.accelerations, &self.inverse_masses, &mut self.contacts, enough);
+        }
         let precision = if self.contacts.len() <= FEW_CONTACTS { 1e-14 } else { 0.1 * UNBALANCED };
         pivot(&mut self.accelerations, &self.inverse_masses, &mut self.contacts, precision * gravity)
     }
