@@ -4,13 +4,13 @@
 //! to find out (`flurry`), for each blow anew. So it *waits* there: from where it hits what is carried it goes along with that, and
 //! the next step finds velocities after all blows since the last one at once, in which it parts as fast as their restitution has it.
 //! Meanwhile it keeps its own velocity, which is shown, and made faster or slower as it falls or rises, so that it neither gains nor
-//! loses energy.
+//! loses energy, unless it is slower than what it hops. Against the heap that holds what it hits it rebounds as against one body.
 
 use glam::DVec2;
 
-use super::contacts::Support;
+use super::contacts::{Contact, Support};
 use super::flights::Marks;
-use super::group::{Group, Member};
+use super::group::{Group, MOST_UNLIKE, Member};
 use super::settle::FIRM;
 use super::{Exact, Needs};
 
@@ -40,9 +40,9 @@ impl Exact {
         if !(self.marks[one].is_among_many() || self.marks[other].is_among_many()) {
             return false;
         }
-        if firm && self.comes_to(one, other) {
+        if firm && self.comes_to::<N>(one, other) {
             self.begin_wait::<N>(one, other, now);
-        } else if firm && self.comes_to(other, one) {
+        } else if firm && self.comes_to::<N>(other, one) {
             self.begin_wait::<N>(other, one, now);
         } else if self.marks[one].has(Marks::WAITS) || self.marks[other].has(Marks::WAITS) {
             self.end_wait::<N>(one, now);
@@ -55,17 +55,22 @@ impl Exact {
     }
 
     /// Whether a ball that has not been hit since the last step comes to one that is carried among many.
-    fn comes_to(&self, slot: usize, along: usize) -> bool {
+    fn comes_to<N: Needs>(&self, slot: usize, along: usize) -> bool {
         let (its, theirs) = (self.marks[slot], self.marks[along]);
         // On a wall neither would go along with the other.
         let fly = its.rests() == 0 && theirs.rests() == 0;
-        fly && !its.has(Marks::GOES_ALONG) && its.hits_in_step() == 0 && theirs.is_among_many()
+        // A group with an unlike ball could not be carried by gradients, or not at all.
+        let (mass, other_mass) = (self.matter::<N>(slot).mass, self.matter::<N>(along).mass);
+        let alike = mass.max(other_mass) <= MOST_UNLIKE * mass.min(other_mass);
+        let new = !its.has(Marks::GOES_ALONG) && its.hits_in_step() == 0;
+        fly && alike && new && theirs.is_among_many()
     }
 
     /// Lets a ball wait, and go along with another one.
     fn begin_wait<N: Needs>(&mut self, slot: usize, along: usize, now: f64) {
         let (position, velocity) = self.state::<N>(slot, now);
         let (_, along_velocity) = self.state::<N>(along, now);
+        self.forget_blows();
         self.set_out(slot, (position, along_velocity), now);
         let marks = &mut self.marks[slot];
         marks.set(Marks::WAITS, true);
@@ -75,16 +80,18 @@ impl Exact {
         marks.count_hits(true);
         marks.set(Marks::HIT, true);
         self.marks[along].set(Marks::HIT, true);
-        self.note_blow(Blow { slot, position, velocity });
+        let at = self.carry.blows.partition_point(|blow| blow.slot < slot);
+        self.carry.blows.insert(at, Blow { slot, position, velocity });
     }
 
     /// Lets all of a group wait where they are, in a hop that lasts until the next step, in so much time, s.
     pub(super) fn wait_in_place<N: Needs>(&mut self, group: &Group, left: f64, now: f64) {
         let (half_kick, since_middle) = (self.gravity * (0.5 * left), self.since_middle(now));
+        self.forget_blows();
         for (&Member { slot, position, .. }, &velocity) in group.members.iter().zip(&group.velocities) {
             if !self.marks[slot].has(Marks::WAITS) {
-                let own = self.true_velocity(slot, velocity, since_middle);
-                self.note_blow(Blow { slot, position, velocity: own });
+                let velocity = self.true_velocity(slot, velocity, since_middle);
+                self.carry.blows.push(Blow { slot, position, velocity });
             }
             let hop = -self.marks[slot].free_part(half_kick);
             self.redirect(slot, (position, hop), now);
@@ -92,20 +99,17 @@ impl Exact {
             self.marks[slot].set(Marks::WAITS, true);
             self.marks[slot].set(Marks::HIT, true);
         }
+        self.carry.blows.sort_unstable_by_key(|blow| blow.slot);
         // Not before all of them have set out.
         for member in &group.members {
             self.foresee::<N>(member.slot, now);
         }
     }
 
-    /// Notes that a ball waits, among the others by its slot.
-    fn note_blow(&mut self, blow: Blow) {
-        let blows = &mut self.carry.blows;
-        match blows.binary_search_by_key(&blow.slot, |blow| blow.slot) {
-            // It waited before since the last step.
-            Ok(at) => blows[at] = blow,
-            Err(at) => blows.insert(at, blow),
-        }
+    /// Forgets what waits no longer.
+    fn forget_blows(&mut self) {
+        let Self { carry, marks, .. } = self;
+        carry.blows.retain(|blow| marks[blow.slot].has(Marks::WAITS));
     }
 
     /// Ends that a ball waits, if it does: it sets out at its own velocity. Whoever does it finds out what comes next.
@@ -135,22 +139,28 @@ impl Exact {
         }
     }
 
-    /// Has contacts of what waits part as fast as restitution asks for.
-    pub(super) fn rebound<N: Needs>(&self, group: &mut Group) {
-        if self.carry.blows.is_empty() {
-            return;
+    /// Whether anything has waited since the last step.
+    pub(super) fn has_blows(&self) -> bool {
+        !self.carry.blows.is_empty()
+    }
+
+    /// How fast the members of a contact are to part at least whose restitution counts, since what waits met the other: it touches it, and
+    /// approaches it firmly at these velocities. Else 0, px/s.
+    pub(super) fn rebound<N: Needs>(
+        &self,
+        members: &[Member],
+        contact: &Contact,
+        velocities: &[DVec2],
+    ) -> f64 {
+        let Support::Member(other) = contact.against else { return 0.0 };
+        let two = [members[contact.one].slot, members[other].slot];
+        let approach = -contact.parting(velocities);
+        let waits = two.iter().any(|&slot| self.marks[slot].has(Marks::WAITS));
+        if !waits || contact.gap > self.carry_touch() || approach <= FIRM * self.rest_speed {
+            return 0.0;
         }
-        let Group { members, contacts, velocities, .. } = group;
-        for contact in contacts {
-            let Support::Member(other) = contact.against else { continue };
-            let two = [members[contact.one].slot, members[other].slot];
-            let approach = -contact.parting(velocities);
-            if two.iter().any(|&slot| self.marks[slot].has(Marks::WAITS)) && approach > FIRM * self.rest_speed
-            {
-                let [e, other_e] = two.map(|slot| self.matter::<N>(slot).restitution);
-                contact.least = contact.least.max(e.min(other_e) * approach);
-            }
-        }
+        let [e, other_e] = two.map(|slot| self.matter::<N>(slot).restitution);
+        e.min(other_e) * approach
     }
 
     /// Ends all blows: the step is over.

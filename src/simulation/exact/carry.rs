@@ -28,6 +28,7 @@ const STEPS_PER_HOP: f64 = 2.0;
 const FEWEST: usize = 24;
 /// Groups in which one ball has so many times the mass of another are not: the velocities would not be found well enough.
 const UNLIKE: f64 = 1000.0;
+
 /// What is known of the balls that are carried, beside their flights.
 #[derive(Debug, Clone)]
 pub(super) struct Carry {
@@ -300,6 +301,7 @@ impl Exact {
                 }
             }
             self.marks[slot].set(Marks::CARRIED, false);
+            self.marks[slot].set(Marks::AMONG_MANY, false);
             self.foresee::<N>(slot, now);
         }
         let chatters = |member: &&Member| self.marks[member.slot].chatter() >= self.long_chatter;

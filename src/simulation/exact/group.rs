@@ -24,7 +24,7 @@ const MANY_CONTACTS: usize = 400;
 const BALANCE_STEPS: usize = 2000;
 /// ... unless a ball has more than so many times the mass of another, or it is so many times as long as it is wide: gradients take more
 /// steps then, as many as there are layers, and solving for all in the order of their places takes less.
-const MOST_UNLIKE: f64 = 10.0;
+pub(super) const MOST_UNLIKE: f64 = 10.0;
 const MOST_SLENDER: f64 = 8.0;
 
 /// A ball of a group.

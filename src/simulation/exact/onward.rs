@@ -27,8 +27,8 @@ const CLOSES: f64 = 0.4;
 const FASTER: f64 = 0.1;
 /// Among many, that is enough after so many steps.
 const MOST_STEPS: usize = 200;
-/// So many rest speeds a crowd of many swings at before it comes to rest: how far balls go at that until the next step is how near they
-/// are then that may hold each other.
+/// A crowd of many swings before it comes to rest, and its balls close what is between them only now and then: those that are so many
+/// times as far from each other as what touches may hold each other.
 const SWINGS: f64 = 10.0;
 /// Steps from one search for forces that balance gravity to the next.
 const STEPS_PER_SEARCH: u64 = 8;
@@ -59,39 +59,42 @@ impl Exact {
             dead: 0.0,
             most_steps: MOST_STEPS,
         };
-        let fastest_parting = 0.5 * self.rest_speed;
-        for contact in &mut group.contacts {
-            contact.least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(fastest_parting);
-        }
-        self.rebound::<N>(group);
         let kicked = group.velocities.clone();
         let lifts = gravity * apart * self.layers::<N>(group);
         let most_given = group.mass() * (MOST_GIVEN * self.rest_speed * self.rest_speed + lifts);
         // Where there was no room a moment ago there is none.
         let were_tight = group.members.iter().filter(|member| self.marks[member.slot].has(Marks::TIGHT));
         let tight = !self.is_nth_step(now, STEPS_PER_PARTING) && 2 * were_tight.count() > group.members.len();
-        let all = [f64::INFINITY, 0.0];
-        for &most in &all[usize::from(tight)..] {
+        let blows = self.has_blows();
+        for (part, rebound) in [(true, blows), (false, true), (false, false)] {
+            if tight && part || !blows && rebound {
+                continue;
+            }
             group.velocities.clone_from(&kicked);
             for contact in &mut group.contacts {
-                contact.least = contact.least.min(most);
+                let least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(0.5 * self.rest_speed);
+                contact.least = if part { least } else { least.min(0.0) };
+                if rebound {
+                    contact.least = contact.least.max(self.rebound::<N>(&group.members, contact, &kicked));
+                }
                 // Pushes without bounds lead nowhere from where there is no room.
-                contact.push = if most > 0.0 { self.carry.push(key(&group.members, contact)) } else { 0.0 };
+                contact.push = if part { self.carry.push(key(&group.members, contact)) } else { 0.0 };
                 contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
             }
             let steps = group.move_on(enough);
             self.note_steps(group, steps);
             // What rebounds takes some.
-            let parts = |contact: &&Contact| contact.least > 0.0 && contact.least <= fastest_parting;
-            let given: f64 =
-                group.contacts.iter().filter(parts).map(|contact| contact.push * contact.least).sum();
+            let parts =
+                |contact: &&Contact| !rebound || self.rebound::<N>(&group.members, contact, &kicked) == 0.0;
+            let given = |contact: &Contact| contact.push * contact.least.max(0.0);
+            let given: f64 = group.contacts.iter().filter(parts).map(given).sum();
             // Comparisons that are false for a NaN.
             if given <= most_given && group.energy(&group.velocities) <= group.energy(&kicked) {
                 let found = std::mem::replace(&mut group.velocities, kicked);
                 let by_walls = group.by_walls(&found, &group.contacts, 1.0);
                 group.velocities = found;
                 for member in &group.members {
-                    self.marks[member.slot].set(Marks::TIGHT, most == 0.0);
+                    self.marks[member.slot].set(Marks::TIGHT, !part);
                 }
                 return Some(by_walls);
             }
@@ -134,7 +137,8 @@ impl Exact {
         group.members = still.members;
     }
 
-    /// How far the fastest of those that are among many goes in a time, px. Those that are no farther from each other may meet until then.
+    /// How far the fastest of those that are among many goes in a time, px: among those that are no farther from each other are nearly all
+    /// that may meet until then.
     pub(super) fn farthest_way<N: Needs>(&self, now: f64, time: f64) -> f64 {
         let among = (0..self.flights.len()).filter(|&slot| self.marks[slot].is_among_many());
         time * among.map(|slot| self.state::<N>(slot, now).1.length()).fold(0.0, f64::max)
@@ -142,6 +146,6 @@ impl Exact {
 
     /// How near balls are that hold each other while a crowd of many swings, px.
     pub(super) fn swing_distance(&self) -> f64 {
-        SWINGS * self.rest_speed * self.carry.step()
+        SWINGS * self.touch_distance()
     }
 }
