@@ -192,7 +192,7 @@ fn what_hits_a_heap_of_hundreds_parts_from_it_as_fast_as_its_restitution_has_it(
             parts = relative(&hit);
         }
         assert!(
-            approach > 500.0 && (parts / approach - 0.5).abs() < 0.01,
+            approach > 100.0 && (parts / approach - 0.5).abs() < 0.01,
             "at {x} px {approach}, then {parts}"
         );
     }

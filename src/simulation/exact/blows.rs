@@ -145,22 +145,22 @@ impl Exact {
     }
 
     /// How fast the members of a contact are to part at least whose restitution counts, since what waits met the other: it touches it, and
-    /// approaches it firmly at these velocities. Else 0, px/s.
+    /// approaches it firmly at these velocities, px/s.
     pub(super) fn rebound<N: Needs>(
         &self,
         members: &[Member],
         contact: &Contact,
         velocities: &[DVec2],
-    ) -> f64 {
-        let Support::Member(other) = contact.against else { return 0.0 };
+    ) -> Option<f64> {
+        let Support::Member(other) = contact.against else { return None };
         let two = [members[contact.one].slot, members[other].slot];
         let approach = -contact.parting(velocities);
         let waits = two.iter().any(|&slot| self.marks[slot].has(Marks::WAITS));
         if !waits || contact.gap > self.carry_touch() || approach <= FIRM * self.rest_speed {
-            return 0.0;
+            return None;
         }
         let [e, other_e] = two.map(|slot| self.matter::<N>(slot).restitution);
-        e.min(other_e) * approach
+        Some(e.min(other_e) * approach)
     }
 
     /// Ends all blows: the step is over.

@@ -74,9 +74,8 @@ impl Exact {
             for contact in &mut group.contacts {
                 let least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(0.5 * self.rest_speed);
                 contact.least = if part { least } else { least.min(0.0) };
-                if rebound {
-                    contact.least = contact.least.max(self.rebound::<N>(&group.members, contact, &kicked));
-                }
+                let rebounds = rebound.then(|| self.rebound::<N>(&group.members, contact, &kicked)).flatten();
+                contact.least = rebounds.map_or(contact.least, |speed| contact.least.max(speed));
                 // Pushes without bounds lead nowhere from where there is no room.
                 contact.push = if part { self.carry.push(key(&group.members, contact)) } else { 0.0 };
                 contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
@@ -84,8 +83,9 @@ impl Exact {
             let steps = group.move_on(enough);
             self.note_steps(group, steps);
             // What rebounds takes some.
-            let parts =
-                |contact: &&Contact| !rebound || self.rebound::<N>(&group.members, contact, &kicked) == 0.0;
+            let parts = |contact: &&Contact| {
+                !rebound || self.rebound::<N>(&group.members, contact, &kicked).is_none()
+            };
             let given = |contact: &Contact| contact.push * contact.least.max(0.0);
             let given: f64 = group.contacts.iter().filter(parts).map(given).sum();
             // Comparisons that are false for a NaN.
