@@ -114,10 +114,15 @@ impl Exact {
 
     /// Ends that a ball waits, if it does: it sets out at its own velocity. Whoever does it finds out what comes next.
     pub(super) fn end_wait<N: Needs>(&mut self, slot: usize, now: f64) {
+        self.give_back::<N>(slot, now);
+        self.marks[slot].set(Marks::WAITS, false);
+    }
+
+    /// Gives a ball its own velocity back, if it waits.
+    fn give_back<N: Needs>(&mut self, slot: usize, now: f64) {
         if self.marks[slot].has(Marks::WAITS) {
             let (position, _) = self.state::<N>(slot, now);
             self.redirect(slot, (position, self.own_velocity(slot, position)), now);
-            self.marks[slot].set(Marks::WAITS, false);
         }
     }
 
@@ -131,11 +136,7 @@ impl Exact {
     /// Gives what waits its own velocity when a step begins, which then takes all blows at once.
     pub(super) fn take_blows<N: Needs>(&mut self, now: f64) {
         for at in 0..self.carry.blows.len() {
-            let blow = self.carry.blows[at];
-            if self.marks[blow.slot].has(Marks::WAITS) {
-                let (position, _) = self.state::<N>(blow.slot, now);
-                self.redirect(blow.slot, (position, blow.velocity_at(position, self.gravity)), now);
-            }
+            self.give_back::<N>(self.carry.blows[at].slot, now);
         }
     }
 

@@ -107,8 +107,7 @@ impl Exact {
             return None;
         }
         let before = group.velocities.clone();
-        let nearly = group.takes_gradients();
-        if nearly {
+        if group.takes_gradients() {
             // With a margin, as long as there is room for it. What is left then only begins the next flurry.
             let found = self.take_nearly(group, &before, (MARGIN * fastest, FEW_STEPS));
             if !found {
