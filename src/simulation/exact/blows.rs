@@ -59,7 +59,7 @@ impl Exact {
         let (its, theirs) = (self.marks[slot], self.marks[along]);
         // On a wall neither would go along with the other.
         let fly = its.rests() == 0 && theirs.rests() == 0;
-        // A group with an unlike ball could not be carried by gradients, or not at all.
+        // A group with an unlike ball could not be carried by sweeps, or not at all.
         let (mass, other_mass) = (self.matter::<N>(slot).mass, self.matter::<N>(along).mass);
         let alike = mass.max(other_mass) <= MOST_UNLIKE * mass.min(other_mass);
         let new = !its.has(Marks::GOES_ALONG) && its.hits_in_step() == 0;

@@ -12,9 +12,9 @@ use crate::simulation::clock::INSTANT;
 
 use super::contacts::Support;
 use super::flights::Marks;
-use super::gradients::Enough;
 use super::group::{Group, Member};
 use super::settle::{Belong, FIRM, Near, STEPS_PER_EVENT};
+use super::sweeps::Enough;
 use super::{Exact, Needs};
 
 /// So many hits of a ball since the last step, or the last flurry, are one.
@@ -28,12 +28,12 @@ const PRECISION: f64 = 1e-8;
 /// What takes an approach from a flurry that is faster than this, in rest speeds, gets on, however little time passes.
 const GETS_ON: f64 = 1e-3;
 /// Among many contacts, how much faster than they have to balls are looked for that part, as a part of the fastest approach: so few
-/// steps find velocities with which none meets again at once.
+/// sweeps find velocities with which none meets again at once.
 const MARGIN: f64 = 1e-2;
-/// In so many steps at most, ...
-const FEW_STEPS: usize = 100;
+/// In so many sweeps at most, ...
+const FEW_SWEEPS: usize = 100;
 /// ... and, where there is no room for that margin, so many without it.
-const MANY_STEPS: usize = 100;
+const MANY_SWEEPS: usize = 100;
 /// Many wait for the next step after so many flurries since the last one: exact fits would have more and more of them.
 const FEW_FLURRIES: u32 = 4;
 /// So many flurries are ended in a step: more are of balls that are wedged in, and stopped as such.
@@ -107,11 +107,11 @@ impl Exact {
             return None;
         }
         let before = group.velocities.clone();
-        if group.takes_gradients() {
+        if group.takes_sweeps() {
             // With a margin, as long as there is room for it. What is left then only begins the next flurry.
-            let found = self.take_nearly(group, &before, (MARGIN * fastest, FEW_STEPS));
+            let found = self.take_nearly(group, &before, (MARGIN * fastest, FEW_SWEEPS));
             if !found {
-                self.take_nearly(group, &before, (0.0, MANY_STEPS));
+                self.take_nearly(group, &before, (0.0, MANY_SWEEPS));
             }
         } else {
             let steps = group.move_on_exactly(PRECISION * self.rest_speed);
@@ -126,20 +126,20 @@ impl Exact {
         })
     }
 
-    /// Takes it by gradients, in so many steps at most, so far that what pushes parts faster than it has to by a margin, px/s, and
+    /// Takes it by sweeps, so many at most, so far that what pushes parts faster than it has to by a margin, px/s, and
     /// returns whether nothing is left of it.
     fn take_nearly(
         &mut self,
         group: &mut Group,
         before: &[DVec2],
-        (margin, most_steps): (f64, usize),
+        (margin, most_sweeps): (f64, usize),
     ) -> bool {
         group.go_back_unless_it_loses(before);
         group.contacts.iter_mut().for_each(|contact| contact.least += margin);
         let precision = PRECISION * self.rest_speed;
         let half = precision + 0.5 * margin;
         let steps =
-            group.move_on(Enough { slower: half, closing: 0.0, faster: half, dead: margin, most_steps });
+            group.move_on(Enough { slower: half, closing: 0.0, faster: half, dead: margin, most_sweeps });
         group.contacts.iter_mut().for_each(|contact| contact.least -= margin);
         self.note_steps(group, steps);
         group.slowest_parting() >= -precision

@@ -4,7 +4,7 @@
 use glam::DVec2;
 
 use super::contacts::{Contact, Support, descend, pivot};
-use super::gradients::{Enough, accelerate};
+use super::sweeps::{Enough, accelerate};
 
 /// The part of gravity that may be left unbalanced on a ball that is held: as if there were so much friction.
 const UNBALANCED: f64 = 1e-3;
@@ -18,12 +18,12 @@ pub(super) const RATTLER: f64 = 20.0;
 const LEAST_GIVEN: f64 = 0.3;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
 const FEW_CONTACTS: usize = 32;
-/// Pushes at more contacts than this are found by gradients when a group moves on, ...
+/// Pushes at more contacts than this are found by sweeps when a group moves on, ...
 const MANY_CONTACTS: usize = 400;
-/// ... and forces at them, in so many steps at most, ...
-const BALANCE_STEPS: usize = 2000;
-/// ... unless a ball has more than so many times the mass of another, or it is so many times as long as it is wide: gradients take more
-/// steps then, as many as there are layers, and solving for all in the order of their places takes less.
+/// ... and forces at them, in so many at most, ...
+const BALANCE_SWEEPS: usize = 2000;
+/// ... unless a ball has more than so many times the mass of another, or it is so many times as long as it is wide: it takes more
+/// sweeps then, as many as there are layers, and solving for all in the order of their places takes less.
 pub(super) const MOST_UNLIKE: f64 = 10.0;
 const MOST_SLENDER: f64 = 8.0;
 
@@ -180,10 +180,15 @@ impl Group {
 
     /// Looks for forces that balance gravity, and returns how many steps it took.
     pub(super) fn balance(&mut self, gravity: f64) -> usize {
-        if self.takes_gradients() {
+        if self.takes_sweeps() {
             let enough = PRECISION * gravity;
-            let enough =
-                Enough { slower: enough, closing: 0.0, faster: enough, dead: 0.0, most_steps: BALANCE_STEPS };
+            let enough = Enough {
+                slower: enough,
+                closing: 0.0,
+                faster: enough,
+                dead: 0.0,
+                most_sweeps: BALANCE_SWEEPS,
+            };
             return accelerate(&mut self.accelerations, &self.inverse_masses, &mut self.contacts, enough);
         }
         let precision = if self.contacts.len() <= FEW_CONTACTS { 1e-14 } else { 0.1 * UNBALANCED };
@@ -193,7 +198,7 @@ impl Group {
     /// Looks for velocities with which each contact's members part as fast as they are to at least, from what contacts push
     /// already, and returns how many steps it took.
     pub(super) fn move_on(&mut self, enough: Enough) -> usize {
-        if self.takes_gradients() {
+        if self.takes_sweeps() {
             return accelerate(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough);
         }
         self.move_on_exactly(enough.slower)
@@ -210,8 +215,8 @@ impl Group {
         self.contacts.len() > MANY_CONTACTS
     }
 
-    /// Whether it moves on by gradients: velocities are not found to the last digit then.
-    pub(super) fn takes_gradients(&self) -> bool {
+    /// Whether it moves on by sweeps: velocities are not found to the last digit then.
+    pub(super) fn takes_sweeps(&self) -> bool {
         let is_compact = || {
             let size = self.size();
             size.max_element() <= MOST_SLENDER * size.min_element()

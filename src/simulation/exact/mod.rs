@@ -11,7 +11,7 @@
 //! - `foresee`, `meetings`: which event comes next for a ball, on its own way or with others;
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
-//! - `settle`, `group`, `contacts`, `gradients`: how they come to rest on each other;
+//! - `settle`, `group`, `contacts`, `sweeps`: how they come to rest on each other;
 //! - `carry`, `onward`, `blows`, `flurry`: how many go on that press on each other until then, what becomes of blows on them, and what
 //!   ends their flurries of hits;
 //! - `pace`: whether there are more impacts than can be followed;
@@ -29,7 +29,6 @@ mod events;
 mod flights;
 mod flurry;
 mod foresee;
-mod gradients;
 mod group;
 mod impacts;
 mod meetings;
@@ -38,6 +37,7 @@ mod pace;
 mod pressing;
 mod read_ahead;
 mod settle;
+mod sweeps;
 mod swept;
 mod together;
 

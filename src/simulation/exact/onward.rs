@@ -5,9 +5,9 @@ use glam::DVec2;
 use super::carry::key;
 use super::contacts::Contact;
 use super::flights::Marks;
-use super::gradients::Enough;
 use super::group::Group;
 use super::settle::FIRM;
+use super::sweeps::Enough;
 use super::{Exact, Needs};
 
 /// The part of what is between two balls that is left after a step at least.
@@ -25,8 +25,8 @@ const PRECISION: f64 = 1e-4;
 const CLOSES: f64 = 0.4;
 /// Among many, how much faster than they are to balls may part, as a part of what gravity gives in a step.
 const FASTER: f64 = 0.1;
-/// Among many, that is enough after so many steps.
-const MOST_STEPS: usize = 200;
+/// Among many, that is enough after so many sweeps.
+const MOST_SWEEPS: usize = 100;
 /// A crowd of many swings before it comes to rest, and its balls close what is between them only now and then: those that are so many
 /// times as far from each other as what touches may hold each other.
 const SWINGS: f64 = 10.0;
@@ -57,7 +57,7 @@ impl Exact {
             closing: CLOSES / step,
             faster: FASTER * kick,
             dead: 0.0,
-            most_steps: MOST_STEPS,
+            most_sweeps: MOST_SWEEPS,
         };
         let kicked = group.velocities.clone();
         let lifts = gravity * apart * self.layers::<N>(group);

@@ -72,7 +72,7 @@ impl Exact {
     pub(super) fn settle<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
         let stuck = self.is_crammed();
         let Some(mut group) = self.group_to_stop::<N>(slot, now, stuck) else { return };
-        if group.takes_gradients() && self.may_be_carried(&group) {
+        if group.takes_sweeps() && self.may_be_carried(&group) {
             return self.leave_to_step::<N>(&mut group, now);
         }
         let stopped = group.take_approach();
@@ -100,7 +100,7 @@ impl Exact {
         self.note_leaning(&group);
     }
 
-    /// Carries a group of many, except those that are held: what becomes of them its next step finds out by gradients, in less time.
+    /// Carries a group of many, except those that are held: what becomes of them its next step finds out by sweeps, in less time.
     fn leave_to_step<N: Needs>(&mut self, group: &mut Group, now: f64) {
         self.call_step(now);
         self.credit -= group.members.len() as i64;
