@@ -53,6 +53,29 @@ fn rows_that_fit_between_the_walls_to_the_last_digit_come_to_rest_in_few_events_
     }
 }
 
+#[test]
+fn hundreds_in_rows_that_fit_to_the_last_digit_come_to_rest_and_do_not_wait_without_end() {
+    // Twenty-five of them are as wide as the box: one above the others presses them on the walls with thousands of times its weight.
+    for seed in [1, 3] {
+        let text = format!(
+            "solver = \"exact\"\nsize = [300, 400]\ngravity = [0, {EARTH:?}]\n[walls]\nrestitution = 0.8\n[pairs]\n\
+             [[fill]]\ncount = 200\nradius = 6\nspeed = [0, 300]\nrestitution = 0.7\nseed = {seed}\n"
+        );
+        let mut rows = Scene::parse("rows", &text).unwrap().build().unwrap();
+        let mass: f64 = rows.balls().iter().map(Ball::mass).sum();
+        let mut least = energy(&rows);
+        while fastest(&rows) > 0.0 {
+            rows.advance(1.0 / 60.0).unwrap();
+            let now = energy(&rows);
+            assert!(now <= least + 0.25 * mass, "seed {seed}: {least} rose to {now}");
+            least = least.min(now);
+            assert!(overlap(&rows) < 1e-9, "seed {seed}, {} s: {}", rows.time(), overlap(&rows));
+            assert!(hits(&rows) < 500_000, "seed {seed}, {} s", rows.time());
+            assert!(rows.time() < 5.0, "seed {seed}: {}", fastest(&rows));
+        }
+    }
+}
+
 /// Hundreds of one size that fall onto each other.
 fn heap() -> Simulation {
     let text = format!(

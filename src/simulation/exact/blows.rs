@@ -84,11 +84,16 @@ impl Exact {
         self.carry.blows.insert(at, Blow { slot, position, velocity });
     }
 
-    /// Lets all of a group wait where they are, in a hop that lasts until the next step, in so much time, s.
-    pub(super) fn wait_in_place<N: Needs>(&mut self, group: &Group, left: f64, now: f64) {
+    /// Lets all of a group wait where they are, in a hop that lasts until the next step, but those that are held.
+    pub(super) fn wait_in_place<N: Needs>(&mut self, group: &Group, now: f64) {
+        let left = self.carry.next_since(self.origin).map_or(0.0, |next| (next - now).max(0.0));
         let (half_kick, since_middle) = (self.gravity * (0.5 * left), self.since_middle(now));
         self.forget_blows();
+        self.carry.note_wait();
         for (&Member { slot, position, .. }, &velocity) in group.members.iter().zip(&group.velocities) {
+            if self.marks[slot].has(Marks::HELD) {
+                continue;
+            }
             if !self.marks[slot].has(Marks::WAITS) {
                 let velocity = self.true_velocity(slot, velocity, since_middle);
                 self.carry.blows.push(Blow { slot, position, velocity });

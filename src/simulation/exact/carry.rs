@@ -28,6 +28,9 @@ const STEPS_PER_HOP: f64 = 2.0;
 const FEWEST: usize = 24;
 /// Groups in which one ball has so many times the mass of another are not: the velocities would not be found well enough.
 const UNLIKE: f64 = 1000.0;
+/// Many wait in place before so many steps in a row; before more of them, only what cannot part by what sweeps find, as a row that fits
+/// between walls to the last digit: it is jammed.
+const MOST_WAITS: u32 = 4;
 
 /// What is known of the balls that are carried, beside their flights.
 #[derive(Debug, Clone)]
@@ -42,6 +45,10 @@ pub(super) struct Carry {
     pushes: Vec<(Key, f64)>,
     /// How many flurries there were since the last step.
     flurries: u32,
+    /// Whether many have waited in place since then, ...
+    waits: bool,
+    /// ... and before how many of the last steps in a row.
+    waited: u32,
     /// What has hit what is carried since then, and may wait.
     pub(super) blows: Vec<Blow>,
 }
@@ -53,7 +60,16 @@ impl Carry {
     /// Nothing is carried. A hop at the rest speed lasts so long, s.
     pub(super) fn new(hop_time: f64) -> Self {
         let rate = (STEPS_PER_HOP / hop_time).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
-        Self { rate, next: None, is_new: false, pushes: Vec::new(), flurries: 0, blows: Vec::new() }
+        Self {
+            rate,
+            next: None,
+            is_new: false,
+            pushes: Vec::new(),
+            flurries: 0,
+            waits: false,
+            waited: 0,
+            blows: Vec::new(),
+        }
     }
 
     /// How long a step is, s.
@@ -84,9 +100,20 @@ impl Carry {
         self.flurries <= most
     }
 
-    /// How many flurries there were since the last step.
-    pub(super) fn flurries(&self) -> u32 {
-        self.flurries
+    /// Notes that many wait in place until the next step.
+    pub(super) fn note_wait(&mut self) {
+        self.waits = true;
+    }
+
+    /// Whether many have waited in place step after step, without getting on.
+    pub(super) fn is_jammed(&self) -> bool {
+        self.waited > MOST_WAITS
+    }
+
+    /// Begins a step: there is no next one yet.
+    fn begin_step(&mut self) {
+        self.waited = if self.waits { self.waited + 1 } else { 0 };
+        (self.next, self.flurries, self.waits) = (None, 0, false);
     }
 
     /// What a contact pushed in the last step.
@@ -166,7 +193,7 @@ impl Exact {
 
     /// Moves all that is carried, and what has chattered for long beside it, on to their next step.
     pub(super) fn step<N: Needs>(&mut self, tally: &mut Tally, now: f64) {
-        (self.carry.next, self.carry.flurries) = (None, 0);
+        self.carry.begin_step();
         self.take_blows::<N>(now);
         let farther = self.farthest_way::<N>(now, self.carry.step()).max(self.swing_distance());
         let mut pushes = Vec::new();

@@ -34,10 +34,10 @@ const MARGIN: f64 = 1e-2;
 const FEW_SWEEPS: usize = 100;
 /// ... and, where there is no room for that margin, so many without it.
 const MANY_SWEEPS: usize = 100;
-/// Many wait for the next step after so many flurries since the last one: exact fits would have more and more of them.
-const FEW_FLURRIES: u32 = 4;
-/// So many flurries are ended in a step: more are of balls that are wedged in, and stopped as such.
+/// All wait for the next step after so many flurries since the last one: exact fits would have more and more of them, ...
 const MOST_FLURRIES: u32 = 64;
+/// ... and many after so many.
+const FEW_FLURRIES: u32 = 4;
 
 impl Exact {
     /// Whether a ball has had a flurry of hits since the last step.
@@ -65,15 +65,16 @@ impl Exact {
         };
         let mut group = self.gather::<N>(slot, now, near);
         let deep = group.members.iter().any(|member| member.deep);
-        let may_end = !deep && group.absorbs && self.carry.counts_flurry(MOST_FLURRIES);
+        let may_end = !deep && group.absorbs;
         group.members.iter().for_each(|member| self.marks[member.slot].count_hits(may_end));
         self.unwatched += (group.members.len() / STEPS_PER_EVENT) as u32;
         if !may_end {
             // It goes on until the step, and what came no nearer to others may do so.
             return group.members.iter().for_each(|member| self.foresee::<N>(member.slot, now));
         }
-        if group.is_of_many() && self.carry.flurries() > FEW_FLURRIES {
-            return self.wait_in_place::<N>(&group, left, now);
+        let most = if group.is_of_many() { FEW_FLURRIES } else { MOST_FLURRIES };
+        if !self.carry.counts_flurry(most) {
+            return self.wait_in_place::<N>(&group, now);
         }
         // What is held is freed by a firm hit.
         let firm = FIRM * self.rest_speed;
@@ -107,13 +108,19 @@ impl Exact {
             return None;
         }
         let before = group.velocities.clone();
-        if group.takes_sweeps() {
+        let directly = if group.takes_sweeps() {
             // With a margin, as long as there is room for it. What is left then only begins the next flurry.
             let found = self.take_nearly(group, &before, (MARGIN * fastest, FEW_SWEEPS));
-            if !found {
+            let jammed = self.carry.is_jammed();
+            if !found && !jammed {
                 self.take_nearly(group, &before, (0.0, MANY_SWEEPS));
             }
+            !found && jammed
         } else {
+            true
+        };
+        if directly {
+            group.go_back_unless_it_loses(&before);
             let steps = group.move_on_exactly(PRECISION * self.rest_speed);
             self.note_steps(group, steps);
         }
@@ -139,7 +146,7 @@ impl Exact {
         let precision = PRECISION * self.rest_speed;
         let half = precision + 0.5 * margin;
         let steps =
-            group.move_on(Enough { slower: half, closing: 0.0, faster: half, dead: margin, most_sweeps });
+            group.sweep(Enough { slower: half, closing: 0.0, faster: half, dead: margin, most_sweeps });
         group.contacts.iter_mut().for_each(|contact| contact.least -= margin);
         self.note_steps(group, steps);
         group.slowest_parting() >= -precision

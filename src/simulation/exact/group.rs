@@ -19,7 +19,7 @@ const LEAST_GIVEN: f64 = 0.3;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
 const FEW_CONTACTS: usize = 32;
 /// Pushes at more contacts than this are found by sweeps when a group moves on, ...
-const MANY_CONTACTS: usize = 400;
+const MANY_CONTACTS: usize = 200;
 /// ... and forces at them, in so many at most, ...
 const BALANCE_SWEEPS: usize = 2000;
 /// ... unless a ball has more than so many times the mass of another, or it is so many times as long as it is wide: it takes more
@@ -196,12 +196,19 @@ impl Group {
     }
 
     /// Looks for velocities with which each contact's members part as fast as they are to at least, from what contacts push
-    /// already, and returns how many steps it took.
-    pub(super) fn move_on(&mut self, enough: Enough) -> usize {
-        if self.takes_sweeps() {
-            return accelerate(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough);
+    /// already, and returns how many steps it took; `directly` where sweeps do not find them.
+    pub(super) fn move_on(&mut self, enough: Enough, directly: bool) -> usize {
+        if !self.takes_sweeps() {
+            return self.move_on_exactly(enough.slower);
         }
-        self.move_on_exactly(enough.slower)
+        let sweeps = self.sweep(enough);
+        let found = sweeps < enough.most_sweeps;
+        sweeps + if found || !directly { 0 } else { self.move_on_exactly(enough.slower) }
+    }
+
+    /// The same by sweeps alone.
+    pub(super) fn sweep(&mut self, enough: Enough) -> usize {
+        accelerate(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
     }
 
     /// The same, solving for all pushes directly, however many there are.

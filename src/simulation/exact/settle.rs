@@ -73,7 +73,7 @@ impl Exact {
         let stuck = self.is_crammed();
         let Some(mut group) = self.group_to_stop::<N>(slot, now, stuck) else { return };
         if group.takes_sweeps() && self.may_be_carried(&group) {
-            return self.leave_to_step::<N>(&mut group, now);
+            return self.leave_to_step::<N>(&group, now);
         }
         let stopped = group.take_approach();
         let (mut steps, mut by_walls, mut carry) = (stopped.steps, stopped.by_walls, false);
@@ -100,14 +100,17 @@ impl Exact {
         self.note_leaning(&group);
     }
 
-    /// Carries a group of many, except those that are held: what becomes of them its next step finds out by sweeps, in less time.
-    fn leave_to_step<N: Needs>(&mut self, group: &mut Group, now: f64) {
+    /// Lets a group of many wait for the next step, except those that are held: what becomes of them that finds out by sweeps, in less
+    /// time.
+    fn leave_to_step<N: Needs>(&mut self, group: &Group, now: f64) {
         self.call_step(now);
         self.credit -= group.members.len() as i64;
-        for member in &mut group.members {
-            member.stays = self.marks[member.slot].has(Marks::HELD);
+        for &Member { slot, .. } in &group.members {
+            let held = self.marks[slot].has(Marks::HELD);
+            self.marks[slot].calm_down();
+            self.marks[slot].count_hits(!held);
         }
-        self.lay_down::<N>(group, true, now);
+        self.wait_in_place::<N>(group, now);
     }
 
     /// Whether so much happens at one time that balls that overlap have no room to part.
