@@ -29,8 +29,12 @@ const FEWEST: usize = 24;
 /// Groups in which one ball has so many times the mass of another are not: the velocities would not be found well enough.
 const UNLIKE: f64 = 1000.0;
 /// Many wait in place before so many steps in a row; before more of them, only what cannot part by what sweeps find, as a row that fits
-/// between walls to the last digit: it is jammed.
+/// between walls to the last digit: it is jammed, ...
 const MOST_WAITS: u32 = 4;
+/// ... and so for so many steps, as no time passes for what waits, ...
+const JAM_LASTS: u32 = 32;
+/// ... but only for the first of them where there are more contacts than this: to solve for them takes longer than a frame.
+const MOST_DIRECTLY: usize = 1000;
 
 /// What is known of the balls that are carried, beside their flights.
 #[derive(Debug, Clone)]
@@ -49,6 +53,8 @@ pub(super) struct Carry {
     waits: bool,
     /// ... and before how many of the last steps in a row.
     waited: u32,
+    /// For how many steps from the last one on what waits is jammed.
+    jammed: u32,
     /// What has hit what is carried since then, and may wait.
     pub(super) blows: Vec<Blow>,
 }
@@ -68,6 +74,7 @@ impl Carry {
             flurries: 0,
             waits: false,
             waited: 0,
+            jammed: 0,
             blows: Vec::new(),
         }
     }
@@ -105,14 +112,15 @@ impl Carry {
         self.waits = true;
     }
 
-    /// Whether many have waited in place step after step, without getting on.
-    pub(super) fn is_jammed(&self) -> bool {
-        self.waited > MOST_WAITS
+    /// Whether many have waited in place step after step, without getting on, so that this group is to be solved for directly.
+    pub(super) fn is_jammed(&self, group: &Group) -> bool {
+        self.jammed == JAM_LASTS || self.jammed > 0 && group.contacts.len() <= MOST_DIRECTLY
     }
 
     /// Begins a step: there is no next one yet.
     fn begin_step(&mut self) {
         self.waited = if self.waits { self.waited + 1 } else { 0 };
+        self.jammed = if self.waited > MOST_WAITS { JAM_LASTS } else { self.jammed.saturating_sub(1) };
         (self.next, self.flurries, self.waits) = (None, 0, false);
     }
 
@@ -196,7 +204,7 @@ impl Exact {
         self.carry.begin_step();
         self.take_blows::<N>(now);
         let farther = self.farthest_way::<N>(now, self.carry.step()).max(self.swing_distance());
-        let mut pushes = Vec::new();
+        let (mut pushes, mut chatters) = (Vec::new(), Vec::new());
         let mut seen = vec![false; self.flights.len()];
         let counted = |slot: &usize| self.marks[*slot].hits_in_step() > 0;
         let counted: Vec<usize> = (0..self.marks.len()).filter(counted).collect();
@@ -212,7 +220,7 @@ impl Exact {
                 let near = Near { touch: self.carry_touch(), belong: Belong::Slow(1.0), farther };
                 let group = self.gather::<N>(slot, now, near);
                 group.members.iter().for_each(|member| seen[member.slot] = true);
-                self.step_group::<N>(tally, group, now, &mut pushes);
+                chatters.extend(self.step_group::<N>(tally, group, now, &mut pushes));
             }
         }
         // Those that came no nearer to others until now may do so from now on.
@@ -226,24 +234,28 @@ impl Exact {
         self.end_blows();
         pushes.sort_unstable_by_key(|(key, _)| *key);
         self.carry.pushes = pushes;
+        // Not before all have their velocities back: a group may wait for the next step at once.
+        for slot in chatters {
+            self.settle::<N>(tally, slot, now);
+        }
         // All that it is called for by is known now.
         self.carry.is_new = false;
     }
 
-    /// The same for one group, if it may be carried.
+    /// The same for one group, if it may be carried; else returns one of its balls that has chattered for long, if any has.
     fn step_group<N: Needs>(
         &mut self,
         tally: &mut Tally,
         mut group: Group,
         now: f64,
         pushes: &mut Vec<(Key, f64)>,
-    ) {
+    ) -> Option<usize> {
         if !self.may_be_carried(&group) {
-            return self.leave_alone::<N>(tally, &group, now);
+            return self.leave_alone::<N>(&group, now);
         }
         let means = self.kick(&mut group);
         let Some(by_walls) = self.find_velocities::<N>(&mut group, now) else {
-            return self.leave_alone::<N>(tally, &group, now);
+            return self.leave_alone::<N>(&group, now);
         };
         tally.wall_impulse += by_walls;
         self.choose_held(&mut group, &means, now);
@@ -252,6 +264,7 @@ impl Exact {
         }
         self.carry_on::<N>(&group, now);
         self.note_leaning(&group);
+        None
     }
 
     /// Whether a step is one of so many.
@@ -316,8 +329,8 @@ impl Exact {
         }
     }
 
-    /// Leaves a group to its impacts, and what has chattered for long to `settle`.
-    fn leave_alone<N: Needs>(&mut self, tally: &mut Tally, group: &Group, now: f64) {
+    /// Leaves a group to its impacts, and returns one of its balls that has chattered for long, for `settle`, if any has.
+    fn leave_alone<N: Needs>(&mut self, group: &Group, now: f64) -> Option<usize> {
         for &Member { slot, .. } in &group.members {
             if self.is_carried(slot) {
                 let (position, velocity) = self.state::<N>(slot, now);
@@ -331,10 +344,8 @@ impl Exact {
             self.marks[slot].set(Marks::AMONG_MANY, false);
             self.foresee::<N>(slot, now);
         }
-        let chatters = |member: &&Member| self.marks[member.slot].chatter() >= self.long_chatter;
-        if let Some(member) = group.members.iter().find(chatters) {
-            self.settle::<N>(tally, member.slot, now);
-        }
+        let mut slots = group.members.iter().map(|member| member.slot);
+        slots.find(|&slot| self.marks[slot].chatter() >= self.long_chatter)
     }
 
     /// Begins a new flight of a ball without an impact.

@@ -34,9 +34,9 @@ const MARGIN: f64 = 1e-2;
 const FEW_SWEEPS: usize = 100;
 /// ... and, where there is no room for that margin, so many without it.
 const MANY_SWEEPS: usize = 100;
-/// All wait for the next step after so many flurries since the last one: exact fits would have more and more of them, ...
+/// Any group waits in place for the next step after so many flurries since the last one, ...
 const MOST_FLURRIES: u32 = 64;
-/// ... and many after so many.
+/// ... and one of many after so many: exact fits would have more and more of them.
 const FEW_FLURRIES: u32 = 4;
 
 impl Exact {
@@ -111,7 +111,7 @@ impl Exact {
         let directly = if group.takes_sweeps() {
             // With a margin, as long as there is room for it. What is left then only begins the next flurry.
             let found = self.take_nearly(group, &before, (MARGIN * fastest, FEW_SWEEPS));
-            let jammed = self.carry.is_jammed();
+            let jammed = self.carry.is_jammed(group);
             if !found && !jammed {
                 self.take_nearly(group, &before, (0.0, MANY_SWEEPS));
             }

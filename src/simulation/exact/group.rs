@@ -19,13 +19,15 @@ const LEAST_GIVEN: f64 = 0.3;
 /// Forces at so few contacts are found to rounding: in a steep wedge they are many times a ball's weight.
 const FEW_CONTACTS: usize = 32;
 /// Pushes at more contacts than this are found by sweeps when a group moves on, ...
-const MANY_CONTACTS: usize = 200;
+const SWEPT_CONTACTS: usize = 200;
 /// ... and forces at them, in so many at most, ...
 const BALANCE_SWEEPS: usize = 2000;
 /// ... unless a ball has more than so many times the mass of another, or it is so many times as long as it is wide: it takes more
 /// sweeps then, as many as there are layers, and solving for all in the order of their places takes less.
 pub(super) const MOST_UNLIKE: f64 = 10.0;
 const MOST_SLENDER: f64 = 8.0;
+/// Blows on groups of more contacts than this wait in any case.
+const MANY_CONTACTS: usize = 400;
 
 /// A ball of a group.
 #[derive(Debug, Clone, Copy)]
@@ -219,7 +221,7 @@ impl Group {
 
     /// Whether it has many contacts.
     pub(super) fn is_of_many(&self) -> bool {
-        self.contacts.len() > MANY_CONTACTS
+        self.contacts.len() > MANY_CONTACTS || self.takes_sweeps()
     }
 
     /// Whether it moves on by sweeps: velocities are not found to the last digit then.
@@ -228,7 +230,7 @@ impl Group {
             let size = self.size();
             size.max_element() <= MOST_SLENDER * size.min_element()
         };
-        self.is_of_many() && is_compact() && self.most_unlike() <= MOST_UNLIKE
+        self.contacts.len() > SWEPT_CONTACTS && is_compact() && self.most_unlike() <= MOST_UNLIKE
     }
 
     /// Goes back to these velocities, without pushes, unless those that it has take energy.
