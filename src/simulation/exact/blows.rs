@@ -5,6 +5,10 @@
 //! the next step finds velocities after all blows since the last one at once, in which it parts as fast as their restitution has it.
 //! Meanwhile it keeps its own velocity, which is shown, and made faster or slower as it falls or rises, so that it neither gains nor
 //! loses energy, unless it is slower than what it hops. Against the heap that holds what it hits it rebounds as against one body.
+//!
+//! A whole group waits *in place*, in such a hop, where its flurries of hits were too many since the last step, or where it chatters
+//! and the next step finds out in less time what becomes of it. No time passes for it meanwhile: that must not go on from step to step
+//! (`carry`).
 
 use glam::DVec2;
 

@@ -28,12 +28,12 @@ const STEPS_PER_HOP: f64 = 2.0;
 const FEWEST: usize = 24;
 /// Groups in which one ball has so many times the mass of another are not: the velocities would not be found well enough.
 const UNLIKE: f64 = 1000.0;
-/// Many wait in place before so many steps in a row; before more of them, only what cannot part by what sweeps find, as a row that fits
-/// between walls to the last digit: it is jammed, ...
+/// What has waited in place before more steps in a row than this is jammed: sweeps do not find with which velocities it gets on, as in a
+/// row that fits between walls to the last digit. It is solved for directly, ...
 const MOST_WAITS: u32 = 4;
-/// ... and so for so many steps, as no time passes for what waits, ...
+/// ... for so many steps, since no time passes for it while it waits, ...
 const JAM_LASTS: u32 = 32;
-/// ... but only for the first of them where there are more contacts than this: to solve for them takes longer than a frame.
+/// ... but in the first of them alone where there are more contacts than this: to solve for them takes longer than a frame.
 const MOST_DIRECTLY: usize = 1000;
 
 /// What is known of the balls that are carried, beside their flights.
@@ -49,11 +49,11 @@ pub(super) struct Carry {
     pushes: Vec<(Key, f64)>,
     /// How many flurries there were since the last step.
     flurries: u32,
-    /// Whether many have waited in place since then, ...
+    /// Whether any group has waited in place since then, ...
     waits: bool,
     /// ... and before how many of the last steps in a row.
     waited: u32,
-    /// For how many steps from the last one on what waits is jammed.
+    /// In how many steps, from the last one on, what waited is jammed.
     jammed: u32,
     /// What has hit what is carried since then, and may wait.
     pub(super) blows: Vec<Blow>,
@@ -107,12 +107,12 @@ impl Carry {
         self.flurries <= most
     }
 
-    /// Notes that many wait in place until the next step.
+    /// Notes that a group waits in place until the next step.
     pub(super) fn note_wait(&mut self) {
         self.waits = true;
     }
 
-    /// Whether many have waited in place step after step, without getting on, so that this group is to be solved for directly.
+    /// Whether any group has waited in place step after step, without getting on, so that this one is to be solved for directly.
     pub(super) fn is_jammed(&self, group: &Group) -> bool {
         self.jammed == JAM_LASTS || self.jammed > 0 && group.contacts.len() <= MOST_DIRECTLY
     }

@@ -230,7 +230,7 @@ impl Marks {
         DVec2::new(free(0), free(1))
     }
 
-    /// Whether it was of a group of many that was carried on in the last step, or waits, which nothing does but beside such.
+    /// Whether it was of a group of many that was carried on in the last step, or waits: beside such, or in place.
     pub(super) fn is_among_many(self) -> bool {
         self.has(Self::WAITS) || self.has(Self::AMONG_MANY) && self.hits_in_step() > 0
     }

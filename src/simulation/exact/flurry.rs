@@ -145,14 +145,14 @@ impl Exact {
         group.contacts.iter_mut().for_each(|contact| contact.least += margin);
         let precision = PRECISION * self.rest_speed;
         let half = precision + 0.5 * margin;
-        let steps =
+        let sweeps =
             group.sweep(Enough { slower: half, closing: 0.0, faster: half, dead: margin, most_sweeps });
         group.contacts.iter_mut().for_each(|contact| contact.least -= margin);
-        self.note_steps(group, steps);
+        self.note_steps(group, sweeps);
         group.slowest_parting() >= -precision
     }
 
-    /// Notes for the caller's watch what steps to find a group's velocities took.
+    /// Notes for the caller's watch what steps or sweeps to find a group's velocities took.
     pub(super) fn note_steps(&mut self, group: &Group, steps: usize) {
         self.unwatched += (steps * group.contacts.len() / STEPS_PER_EVENT) as u32;
     }
