@@ -30,10 +30,8 @@ const GETS_ON: f64 = 1e-3;
 /// Among many contacts, how much faster than they have to balls are looked for that part, as a part of the fastest approach: so few
 /// sweeps find velocities with which none meets again at once.
 const MARGIN: f64 = 1e-2;
-/// In so many sweeps at most, ...
-const FEW_SWEEPS: usize = 100;
-/// ... and, where there is no room for that margin, so many without it.
-const MANY_SWEEPS: usize = 100;
+/// In so many sweeps at most, and, where there is no room for that margin, so many without it.
+const MOST_SWEEPS: usize = 100;
 /// Any group waits in place for the next step after so many flurries since the last one, ...
 const MOST_FLURRIES: u32 = 64;
 /// ... and one of many after so many: exact fits would have more and more of them.
@@ -110,10 +108,10 @@ impl Exact {
         let before = group.velocities.clone();
         let directly = if group.takes_sweeps() {
             // With a margin, as long as there is room for it. What is left then only begins the next flurry.
-            let found = self.take_nearly(group, &before, (MARGIN * fastest, FEW_SWEEPS));
+            let found = self.take_nearly(group, &before, MARGIN * fastest);
             let jammed = self.carry.is_jammed(group);
             if !found && !jammed {
-                self.take_nearly(group, &before, (0.0, MANY_SWEEPS));
+                self.take_nearly(group, &before, 0.0);
             }
             !found && jammed
         } else {
@@ -133,20 +131,20 @@ impl Exact {
         })
     }
 
-    /// Takes it by sweeps, so many at most, so far that what pushes parts faster than it has to by a margin, px/s, and
+    /// Takes it by sweeps so far that what pushes parts faster than it has to by a margin, px/s, and
     /// returns whether nothing is left of it.
-    fn take_nearly(
-        &mut self,
-        group: &mut Group,
-        before: &[DVec2],
-        (margin, most_sweeps): (f64, usize),
-    ) -> bool {
+    fn take_nearly(&mut self, group: &mut Group, before: &[DVec2], margin: f64) -> bool {
         group.go_back_unless_it_loses(before);
         group.contacts.iter_mut().for_each(|contact| contact.least += margin);
         let precision = PRECISION * self.rest_speed;
         let half = precision + 0.5 * margin;
-        let sweeps =
-            group.sweep(Enough { slower: half, closing: 0.0, faster: half, dead: margin, most_sweeps });
+        let sweeps = group.sweep(Enough {
+            slower: half,
+            closing: 0.0,
+            faster: half,
+            dead: margin,
+            most_sweeps: MOST_SWEEPS,
+        });
         group.contacts.iter_mut().for_each(|contact| contact.least -= margin);
         self.note_steps(group, sweeps);
         group.slowest_parting() >= -precision
