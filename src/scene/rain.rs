@@ -61,9 +61,23 @@ impl Rain {
         &mut self,
         simulation: &mut Simulation,
         seconds: f64,
-        mut go_on: impl FnMut() -> bool,
+        go_on: impl FnMut() -> bool,
     ) -> Result<f64, OutOfRange> {
-        let mut left = DELTA.check(seconds)?;
+        let mut touched = Vec::new();
+        let done = self.advance_by_spells(simulation, DELTA.check(seconds)?, go_on, &mut touched)?;
+        simulation.note_touching(&touched);
+        Ok(done)
+    }
+
+    /// The same, and notes which balls have touched others before the last spell.
+    fn advance_by_spells(
+        &mut self,
+        simulation: &mut Simulation,
+        seconds: f64,
+        mut go_on: impl FnMut() -> bool,
+        touched: &mut Vec<bool>,
+    ) -> Result<f64, OutOfRange> {
+        let mut left = seconds;
         // Frames that end with a spell, up to rounding, see its balls.
         while let Some(wait) = self.wait().filter(|&wait| wait <= left + ROUNDING) {
             let done = simulation.advance_while(wait, &mut go_on)?;
@@ -72,13 +86,18 @@ impl Rain {
             if done < wait {
                 return Ok(seconds - left);
             }
+            touched.resize(simulation.balls().len(), false);
+            for (touched, &now) in touched.iter_mut().zip(simulation.touching()) {
+                *touched |= now;
+            }
             self.fall(simulation);
             // Not every solver asks, and a long frame has many spells.
             if left > 0.0 && !go_on() {
                 return Ok(seconds - left);
             }
         }
-        if left <= 0.0 && seconds > 0.0 {
+        if left <= ROUNDING && seconds > ROUNDING {
+            // It ends with a spell: what came with it is as it came, whether rounding has left any time or not.
             return Ok(seconds);
         }
         let done = simulation.advance_while(left, go_on)?;

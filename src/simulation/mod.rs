@@ -239,6 +239,13 @@ impl Simulation {
         &self.touching
     }
 
+    /// Notes which of the first balls have touched others in the last frame, too, where that was cut into several.
+    pub(crate) fn note_touching(&mut self, touched: &[bool]) {
+        for (touching, &touched) in self.touching.iter_mut().zip(touched) {
+            *touching |= touched;
+        }
+    }
+
     /// The world as it is now.
     #[must_use]
     pub fn world(&self) -> &World {
