@@ -1,5 +1,7 @@
 //! Crowds that press on each other: more balls than are left to impacts alone while they do.
 
+use carom::simulation::ledger::Ledger;
+
 use super::*;
 
 /// Balls that fall into a narrow box, where they slide over each other for seconds.
@@ -29,6 +31,18 @@ fn a_crowd_that_presses_settles_in_few_events_and_gains_no_energy_and_overlaps_n
         // Impact by impact 1.8 to 10 million where they are of many sizes.
         assert!(hits(&crowd) < 200_000, "seed {seed}: {}", hits(&crowd));
         assert!(fastest(&crowd) < 100.0, "seed {seed}: {}", fastest(&crowd));
+    }
+}
+
+#[test]
+fn what_is_carried_counts_as_touching_in_the_frame_in_which_it_is_let_go_of_and_all_else_flies_by_itself() {
+    for (radius, seed, seconds) in [("[6, 14]", 1, 3.0), ("[6, 14]", 2, 3.0), ("10.1", 1, 3.0)] {
+        let mut crowd = crowd(radius, seed);
+        let mut ledger = Ledger::new(&crowd);
+        while crowd.time() < seconds {
+            crowd.advance(1.0 / 60.0).unwrap();
+            ledger.check(&crowd).unwrap();
+        }
     }
 }
 
@@ -66,6 +80,20 @@ fn hundreds_in_rows_that_fit_to_the_last_digit_come_to_rest_and_do_not_wait_with
         );
         let rows = Scene::parse("rows", &text).unwrap().build().unwrap();
         rows_come_to_rest(rows, seed, 1e-9, 500_000, 5.0);
+    }
+}
+
+#[test]
+fn nearly_elastic_rows_that_fit_to_the_last_digit_come_to_rest_in_few_events_where_gravity_presses_them_along()
+ {
+    for seed in [1, 2] {
+        let text = format!(
+            "solver = \"exact\"\nsize = [300, 400]\ngravity = [490, 849]\n[walls]\nrestitution = 0.8\n[pairs]\n\
+             [[fill]]\ncount = 100\nradius = 10\nspeed = [0, 300]\nrestitution = 0.9\nseed = {seed}\n"
+        );
+        let rows = Scene::parse("rows", &text).unwrap().build().unwrap();
+        // Thirty million until the third second while what had no room to hop did, and waited in hops.
+        rows_come_to_rest(rows, seed, 1e-10, 300_000, 5.0);
     }
 }
 

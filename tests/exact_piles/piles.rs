@@ -156,8 +156,9 @@ fn however_strong_gravity_is_balls_settle_with_as_many_impacts_and_gain_no_energ
             let most = (least + hops).min(start * (1.0 + 1e-12));
             assert!(now <= most, "gravity {gravity}: {least} rose to {now}");
             least = least.min(now);
-            assert!(overlap(&simulation) < 1e-13, "gravity {gravity}");
-            assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-13, "gravity {gravity}");
+            // What is carried may come nearer by 1e-12 of that in each of its steps.
+            assert!(overlap(&simulation) < 1e-10, "gravity {gravity}");
+            assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-10, "gravity {gravity}");
         }
         assert!((2000..60_000).contains(&hits(&simulation)), "gravity {gravity}: {:?}", simulation.tally());
         // Under the weakest of these they roll to and fro for longer.

@@ -9,6 +9,7 @@
 //! These are *mean* velocities, from one step to the next. The flight from here to there is the parabola over that chord,
 //! which begins slower by half of what gravity gives in a step: so what is carried has the acceleration of all that flies, and
 //! they meet where straight lines do. It hops by an eighth of g times the square of the step, as what lies on others does else.
+//! What is jammed (see `headway`) has no room for that, and goes along the chord itself.
 
 use glam::DVec2;
 
@@ -17,9 +18,10 @@ use crate::simulation::clock::Clock;
 
 use super::blows::Blow;
 use super::contacts::{Contact, Support};
-use super::flights::Marks;
+use super::flights::{Marks, Way};
 use super::group::{Group, Member};
-use super::settle::{Belong, LIFTED, Near};
+use super::headway::Headway;
+use super::settle::{Belong, LIFTED, Near, STEPS_PER_EVENT};
 use super::{Exact, Needs};
 
 /// Steps while a hop at the rest speed lasts: what is carried hops at half of it.
@@ -28,13 +30,6 @@ const STEPS_PER_HOP: f64 = 2.0;
 const FEWEST: usize = 24;
 /// Groups in which one ball has so many times the mass of another are not: the velocities would not be found well enough.
 const UNLIKE: f64 = 1000.0;
-/// What has waited in place before more steps in a row than this is jammed: sweeps do not find with which velocities it gets on, as in a
-/// row that fits between walls to the last digit. It is solved for directly, ...
-const MOST_WAITS: u32 = 4;
-/// ... for so many steps, since no time passes for it while it waits, ...
-const JAM_LASTS: u32 = 32;
-/// ... but in the first of them alone where there are more contacts than this: to solve for them takes longer than a frame.
-const MOST_DIRECTLY: usize = 1000;
 
 /// What is known of the balls that are carried, beside their flights.
 #[derive(Debug, Clone)]
@@ -47,15 +42,8 @@ pub(super) struct Carry {
     is_new: bool,
     /// What contacts pushed in the last step, px/s times a mass, in the order of their keys.
     pushes: Vec<(Key, f64)>,
-    /// How many flurries there were since the last step.
-    flurries: u32,
-    /// Whether any group has waited in place since then, ...
-    waits: bool,
-    /// ... and before how many of the last steps in a row.
-    waited: u32,
-    /// In how many steps, from the last one on, what waited is jammed.
-    jammed: u32,
-    /// What has hit what is carried since then, and may wait.
+    pub(super) headway: Headway,
+    /// What waits for the next step, in the order of slots.
     pub(super) blows: Vec<Blow>,
 }
 
@@ -71,10 +59,7 @@ impl Carry {
             next: None,
             is_new: false,
             pushes: Vec::new(),
-            flurries: 0,
-            waits: false,
-            waited: 0,
-            jammed: 0,
+            headway: Headway::default(),
             blows: Vec::new(),
         }
     }
@@ -101,27 +86,10 @@ impl Carry {
         std::mem::take(&mut self.is_new)
     }
 
-    /// Counts a flurry, and says whether there were no more than this since the last step.
-    pub(super) fn counts_flurry(&mut self, most: u32) -> bool {
-        self.flurries += 1;
-        self.flurries <= most
-    }
-
-    /// Notes that a group waits in place until the next step.
-    pub(super) fn note_wait(&mut self) {
-        self.waits = true;
-    }
-
-    /// Whether any group has waited in place step after step, without getting on, so that this one is to be solved for directly.
-    pub(super) fn is_jammed(&self, group: &Group) -> bool {
-        self.jammed == JAM_LASTS || self.jammed > 0 && group.contacts.len() <= MOST_DIRECTLY
-    }
-
     /// Begins a step: there is no next one yet.
     fn begin_step(&mut self) {
-        self.waited = if self.waits { self.waited + 1 } else { 0 };
-        self.jammed = if self.waited > MOST_WAITS { JAM_LASTS } else { self.jammed.saturating_sub(1) };
-        (self.next, self.flurries, self.waits) = (None, 0, false);
+        self.headway.begin_step();
+        self.next = None;
     }
 
     /// What a contact pushed in the last step.
@@ -181,10 +149,20 @@ impl Exact {
         if !self.is_carried(slot) {
             return velocity;
         }
-        let mean = velocity - self.gravity * since_middle;
+        let mean = velocity - self.marks[slot].accelerated_part(self.gravity) * since_middle;
         let square = mean.length_squared();
         let gained = 2.0 * since_middle * self.gravity.dot(mean);
         if square == 0.0 { mean } else { mean * (1.0 + gained / square).max(0.0).sqrt() }
+    }
+
+    /// Position and velocity of a ball now, where that of one that is carried is the one that it has.
+    pub(super) fn true_state<N: Needs>(&self, slot: usize, now: f64) -> (DVec2, DVec2) {
+        let (position, velocity) = self.state::<N>(slot, now);
+        if N::HOLDS && self.is_carried(slot) {
+            (position, self.true_velocity(slot, velocity, self.since_middle(now)))
+        } else {
+            (position, velocity)
+        }
     }
 
     /// Whether a group that does not come to rest at once is carried. Without room its balls would not find velocities.
@@ -201,6 +179,7 @@ impl Exact {
 
     /// Moves all that is carried, and what has chattered for long beside it, on to their next step.
     pub(super) fn step<N: Needs>(&mut self, tally: &mut Tally, now: f64) {
+        self.unwatched += (self.flights.len() / STEPS_PER_EVENT) as u32;
         self.carry.begin_step();
         self.take_blows::<N>(now);
         let farther = self.farthest_way::<N>(now, self.carry.step()).max(self.swing_distance());
@@ -218,7 +197,7 @@ impl Exact {
             let moves = !(seen[slot] || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed());
             if moves && (marks.has(Marks::GOES_ALONG) || marks.is_restless()) {
                 let near = Near { touch: self.carry_touch(), belong: Belong::Slow(1.0), farther };
-                let group = self.gather::<N>(slot, now, near);
+                let group = self.gather::<N>(slot, now, near, &seen);
                 group.members.iter().for_each(|member| seen[member.slot] = true);
                 chatters.extend(self.step_group::<N>(tally, group, now, &mut pushes));
             }
@@ -231,7 +210,7 @@ impl Exact {
             // There is no step that they could be counted from.
             self.marks.iter_mut().for_each(|marks| marks.count_hits(false));
         }
-        self.end_blows();
+        self.carry.blows.clear();
         pushes.sort_unstable_by_key(|(key, _)| *key);
         self.carry.pushes = pushes;
         // Not before all have their velocities back: a group may wait for the next step at once.
@@ -279,7 +258,7 @@ impl Exact {
         let each = group.members.iter().zip(&mut group.velocities);
         each.map(|(member, velocity)| {
             // What stands on a wall does not hop there.
-            let mean = *velocity - 0.5 * self.marks[member.slot].free_part(kick);
+            let mean = *velocity - 0.5 * self.marks[member.slot].accelerated_part(kick);
             *velocity = mean + kick;
             mean
         })
@@ -288,44 +267,55 @@ impl Exact {
 
     /// Lets a group's balls set out with their new velocities, or holds them.
     fn carry_on<N: Needs>(&mut self, group: &Group, now: f64) {
-        let (pushed, many) = (group.pushed(), group.is_of_many());
+        let (pushed, many, straight) =
+            (group.pushed(), group.is_of_many(), self.carry.headway.is_jammed(group));
         let half_kick = self.gravity * (0.5 * self.carry.step());
         let each = group.members.iter().zip(&group.velocities).zip(pushed);
+        let mut changed = Vec::new();
         for ((&Member { slot, position, stays, .. }, &velocity), pushed) in each {
             let held = self.marks[slot].has(Marks::HELD);
-            self.marks[slot].calm_down();
-            self.marks[slot].count_hits(!stays);
-            self.marks[slot].set(Marks::AMONG_MANY, many);
+            let marks = &mut self.marks[slot];
+            marks.set(Marks::AMONG_MANY, many);
             if held && stays {
+                marks.go(Way::Held);
                 continue;
             }
-            if !held && !pushed {
-                // Its flight goes on as it is.
-                self.marks[slot].set(Marks::CARRIED, false);
+            changed.push(slot);
+            marks.calm_down();
+            marks.count_hits(true);
+            if !held && !pushed && !stays && !straight {
+                // Its flight goes on as it is, unless that was a straight one.
+                let was_straight = marks.has(Marks::STRAIGHT);
+                marks.go(Way::Flies);
+                if was_straight {
+                    let velocity = marks.free_part(velocity - half_kick);
+                    self.redirect(slot, (position, velocity), now);
+                }
                 continue;
             }
             if held {
                 self.let_go::<N>(slot);
             }
-            let radius = self.matter::<N>(slot).radius;
-            for axis in 0..2 {
-                let rests = stays || self.jams(radius, axis);
-                self.marks[slot].set(Marks::rests_on(axis), rests);
-            }
+            let jams = self.jams_on(self.matter::<N>(slot).radius);
             let marks = &mut self.marks[slot];
-            marks.set(Marks::HELD, stays);
-            marks.set(Marks::CARRIED, !stays);
+            marks.rest(jams);
+            marks.go(if stays { Way::Held } else { Way::Carried });
+            marks.set(Marks::STRAIGHT, straight && !stays);
             marks.set(Marks::HIT, true);
             marks.set(Marks::LEANS, true);
-            let velocity = if stays { DVec2::ZERO } else { marks.free_part(velocity - half_kick) };
+            let velocity = if stays {
+                DVec2::ZERO
+            } else {
+                marks.free_part(velocity) - marks.accelerated_part(half_kick)
+            };
             self.redirect(slot, (position, velocity), now);
             if !stays {
                 self.call_step(now);
             }
         }
         // Not before all of them have set out.
-        for member in &group.members {
-            self.foresee::<N>(member.slot, now);
+        for slot in changed {
+            self.foresee::<N>(slot, now);
         }
     }
 
@@ -334,15 +324,24 @@ impl Exact {
         for &Member { slot, .. } in &group.members {
             if self.is_carried(slot) {
                 let (position, velocity) = self.state::<N>(slot, now);
-                let mean = velocity - self.gravity * (0.5 * self.carry.step());
+                let half_kick = self.gravity * (0.5 * self.carry.step());
+                let mean = velocity - self.marks[slot].accelerated_part(half_kick);
                 if mean.length() < LIFTED * self.rest_speed {
                     // So slow is only what velocities are wrong by.
-                    self.redirect(slot, (position, velocity - mean), now);
+                    self.redirect(slot, (position, half_kick), now);
+                } else if self.marks[slot].has(Marks::STRAIGHT) {
+                    self.redirect(slot, (position, mean + half_kick), now);
                 }
             }
-            self.marks[slot].set(Marks::CARRIED, false);
-            self.marks[slot].set(Marks::AMONG_MANY, false);
-            self.foresee::<N>(slot, now);
+            let marks = &mut self.marks[slot];
+            if !marks.has(Marks::HELD) {
+                marks.go(Way::Flies);
+            }
+            marks.set(Marks::TIGHT, false);
+            marks.set(Marks::AMONG_MANY, false);
+        }
+        for member in &group.members {
+            self.foresee::<N>(member.slot, now);
         }
         let mut slots = group.members.iter().map(|member| member.slot);
         slots.find(|&slot| self.marks[slot].chatter() >= self.long_chatter)

@@ -115,6 +115,19 @@ impl Matter {
     }
 }
 
+/// How a ball gets on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Way {
+    /// By itself.
+    Flies,
+    /// Not at all: it is [`Marks::HELD`].
+    Held,
+    /// It is [`Marks::CARRIED`].
+    Carried,
+    /// It is one of those that are [`Marks::WAITS`].
+    Waits,
+}
+
 /// What a ball is doing. The bits, from the lowest up:
 ///
 /// - 0 and 1: [`rests`](Self::rests), one for each axis;
@@ -125,7 +138,7 @@ impl Matter {
 /// - 16: [`CARRIED`](Self::CARRIED);
 /// - 17 to 20: [`hits_in_step`](Self::hits_in_step);
 /// - 21: [`TIGHT`](Self::TIGHT);
-/// - 22 and 23: [`WAITS`](Self::WAITS) and [`AMONG_MANY`](Self::AMONG_MANY).
+/// - 22, 23 and 24: [`WAITS`](Self::WAITS), [`AMONG_MANY`](Self::AMONG_MANY) and [`STRAIGHT`](Self::STRAIGHT).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Marks(u32);
 
@@ -146,8 +159,12 @@ impl Marks {
     pub(super) const WAITS: Self = Self(1 << 22);
     /// It was of a group of many that was carried on in the last step, if it was of any.
     pub(super) const AMONG_MANY: Self = Self(1 << 23);
+    /// It is carried along straight lines, since it has no room to hop.
+    pub(super) const STRAIGHT: Self = Self(1 << 24);
     /// It is carried, or waits.
     pub(super) const GOES_ALONG: Self = Self(Self::CARRIED.0 | Self::WAITS.0);
+    /// All ways but that of what flies by itself.
+    const WAYS: Self = Self(Self::HELD.0 | Self::GOES_ALONG.0);
     /// As many quick hits as are counted, in four bits.
     const MOST_QUICK: u32 = 15;
     /// As many hits in a step as are counted, in four bits.
@@ -166,6 +183,12 @@ impl Marks {
         (self.0 & 3) as usize
     }
 
+    /// Along which axes nothing accelerates it, a bit each.
+    #[inline]
+    pub(super) fn unaccelerated(self) -> usize {
+        if self.has(Self::STRAIGHT) { 3 } else { self.rests() }
+    }
+
     /// The border of its cell that it crosses next, under gravity.
     #[inline]
     pub(super) fn border(self) -> Border {
@@ -181,6 +204,35 @@ impl Marks {
     #[inline]
     pub(super) fn quick_hits(self) -> u32 {
         self.0 >> 8 & Self::MOST_QUICK
+    }
+
+    /// Goes on in this way from now on, and in no other.
+    #[inline]
+    pub(super) fn go(&mut self, way: Way) {
+        let mark = match way {
+            Way::Flies => Self(0),
+            Way::Held => Self::HELD,
+            Way::Carried => Self::CARRIED,
+            Way::Waits => Self::WAITS,
+        };
+        self.0 = self.0 & !(Self::WAYS.0 | Self::STRAIGHT.0) | mark.0;
+        if way == Way::Held {
+            // Along both axes; and what it was before says nothing any more.
+            self.0 |= 3;
+            self.set(Self::TIGHT, false);
+            self.count_hits(false);
+            self.calm_down();
+        }
+    }
+
+    /// Rests on these axes from now on, a bit each.
+    pub(super) fn rest(&mut self, axes: usize) {
+        self.0 = self.0 & !3 | axes as u32;
+    }
+
+    /// Forgets how soon impacts followed each other so far: another flight begins, and not with an impact.
+    pub(super) fn forget_quick_hits(&mut self) {
+        self.0 &= !(Self::MOST_QUICK << 8);
     }
 
     /// Notes an impact, soon after the one before or not.
@@ -224,15 +276,24 @@ impl Marks {
         2 * self.chatter() >= Self::MOST_CHATTER
     }
 
-    /// The part of this along which nothing holds it.
+    /// The part of this along which it does not rest.
     pub(super) fn free_part(self, of: DVec2) -> DVec2 {
-        let free = |axis: usize| if self.has(Self::rests_on(axis)) { 0.0 } else { of[axis] };
-        DVec2::new(free(0), free(1))
+        part(of, self.rests())
+    }
+
+    /// The part of what gravity gives along which that accelerates it.
+    pub(super) fn accelerated_part(self, of: DVec2) -> DVec2 {
+        part(of, self.unaccelerated())
     }
 
     /// Whether it was of a group of many that was carried on in the last step, or waits: beside such, or in place.
     pub(super) fn is_among_many(self) -> bool {
         self.has(Self::WAITS) || self.has(Self::AMONG_MANY) && self.hits_in_step() > 0
+    }
+
+    /// Whether it waits, and stands still until then.
+    pub(super) fn waits_in_place(self) -> bool {
+        self.has(Self::WAITS) && self.rests() == 3
     }
 
     /// Forgets the chatter so far.
@@ -249,6 +310,12 @@ impl Marks {
     pub(super) fn set(&mut self, other: Self, on: bool) {
         if on { self.0 |= other.0 } else { self.0 &= !other.0 }
     }
+}
+
+/// The part of this along all axes but these, a bit each.
+fn part(of: DVec2, without: usize) -> DVec2 {
+    let along = |axis: usize| if without >> axis & 1 == 1 { 0.0 } else { of[axis] };
+    DVec2::new(along(0), along(1))
 }
 
 #[cfg(test)]

@@ -56,12 +56,13 @@ impl Exact {
     pub(super) fn end_flurry<N: Needs>(&mut self, tally: &mut Tally, slot: usize, now: f64) {
         let Some(next) = self.carry.next_since(self.origin) else { return };
         let left = (next - now).max(INSTANT);
+        debug_assert!(!self.marks[slot].has(Marks::HELD));
         let near = Near {
             touch: self.carry_touch(),
             belong: Belong::Flurry,
             farther: self.farthest_way::<N>(now, left),
         };
-        let mut group = self.gather::<N>(slot, now, near);
+        let mut group = self.gather::<N>(slot, now, near, &[]);
         let deep = group.members.iter().any(|member| member.deep);
         let may_end = !deep && group.absorbs;
         group.members.iter().for_each(|member| self.marks[member.slot].count_hits(may_end));
@@ -71,19 +72,21 @@ impl Exact {
             return group.members.iter().for_each(|member| self.foresee::<N>(member.slot, now));
         }
         let most = if group.is_of_many() { FEW_FLURRIES } else { MOST_FLURRIES };
-        if !self.carry.counts_flurry(most) {
+        if self.carry.headway.has_too_many_flurries(&group, most) {
             return self.wait_in_place::<N>(&group, now);
         }
         // What is held is freed by a firm hit.
         let firm = FIRM * self.rest_speed;
         let Group { contacts, velocities, .. } = &mut group;
         contacts.retain(|contact| {
-            !matches!(contact.against, Support::Immovable(_)) || contact.parting(velocities) > -firm
+            let is_held =
+                matches!(contact.against, Support::Immovable(slot) if self.marks[slot].has(Marks::HELD));
+            !is_held || contact.parting(velocities) > -firm
         });
         // In the time that is left they get as far as at these velocities.
         let half_kick = self.gravity * (0.5 * left);
         let kicks: Vec<DVec2> =
-            group.members.iter().map(|member| self.marks[member.slot].free_part(half_kick)).collect();
+            group.members.iter().map(|member| self.marks[member.slot].accelerated_part(half_kick)).collect();
         group.velocities.iter_mut().zip(&kicks).for_each(|(velocity, kick)| *velocity += *kick);
         let Some((fastest, by_walls)) = self.take_flurry(&mut group, left, &kicks) else { return };
         tally.wall_impulse += by_walls;
@@ -97,44 +100,58 @@ impl Exact {
     /// Takes from a group's velocities what lets its members meet in the time that is left, s. Returns their fastest approach, and the
     /// momentum that walls gave, if there was any, and what takes it loses energy.
     fn take_flurry(&mut self, group: &mut Group, left: f64, kicks: &[DVec2]) -> Option<(f64, DVec2)> {
-        for contact in &mut group.contacts {
-            let kept = if matches!(contact.against, Support::Member(_)) { KEPT_APART } else { KEPT_OFF };
-            contact.least = contact.sooner(kicks) - (1.0 - kept) * contact.gap.max(0.0) / left;
-        }
-        let fastest = (-group.slowest_parting()).max(0.0);
-        if fastest <= PRECISION * self.rest_speed {
-            return None;
-        }
         let before = group.velocities.clone();
-        let directly = if group.takes_sweeps() {
-            // With a margin, as long as there is room for it. What is left then only begins the next flurry.
-            let found = self.take_nearly(group, &before, MARGIN * fastest);
-            let jammed = self.carry.is_jammed(group);
-            if !found && !jammed {
-                self.take_nearly(group, &before, 0.0);
+        // What is drawn away from what does not move comes nearer to that first, unless it parts from it: without, where that takes
+        // energy.
+        for parts in [true, false] {
+            for contact in &mut group.contacts {
+                let kept = if matches!(contact.against, Support::Member(_)) { KEPT_APART } else { KEPT_OFF };
+                let sooner = if parts { contact.sooner(kicks) } else { 0.0 };
+                contact.least = sooner - (1.0 - kept) * contact.gap.max(0.0) / left;
             }
-            !found && jammed
-        } else {
-            true
-        };
-        if directly {
-            group.go_back_unless_it_loses(&before);
-            let steps = group.move_on_exactly(PRECISION * self.rest_speed);
-            self.note_steps(group, steps);
+            let fastest = (-group.slowest_parting()).max(0.0);
+            if fastest <= PRECISION * self.rest_speed {
+                return None;
+            }
+            let takes = self.take_approach(group, &before, fastest);
+            // False for a NaN.
+            if takes && group.energy(&group.velocities) <= group.energy(&before) {
+                let found = std::mem::replace(&mut group.velocities, before);
+                let by_walls = group.by_walls(&found, &group.contacts, 1.0);
+                group.velocities = found;
+                return Some((fastest, by_walls));
+            }
+            group.go_back(&before);
         }
-        let found = std::mem::replace(&mut group.velocities, before);
-        // False for a NaN.
-        (group.energy(&found) <= group.energy(&group.velocities)).then(|| {
-            let by_walls = group.by_walls(&found, &group.contacts, 1.0);
-            group.velocities = found;
-            (fastest, by_walls)
-        })
+        None
+    }
+
+    /// Takes the approach, of which this is the fastest, from these velocities, and returns whether it does.
+    fn take_approach(&mut self, group: &mut Group, before: &[DVec2], fastest: f64) -> bool {
+        let precision = PRECISION * self.rest_speed;
+        if !group.takes_sweeps() {
+            let steps = group.move_on_exactly(precision);
+            self.note_steps(group, steps);
+            return true;
+        }
+        // With a margin, as long as there is room for it.
+        if self.take_nearly(group, MARGIN * fastest) {
+            return true;
+        }
+        group.go_back_unless_it_loses(before);
+        if self.carry.headway.is_jammed(group) {
+            let steps = group.move_on_without_room(precision);
+            self.note_steps(group, steps.unwrap_or_default());
+            return steps.is_some();
+        }
+        // What is left then only begins the next flurry.
+        self.take_nearly(group, 0.0);
+        true
     }
 
     /// Takes it by sweeps so far that what pushes parts faster than it has to by a margin, px/s, and
     /// returns whether nothing is left of it.
-    fn take_nearly(&mut self, group: &mut Group, before: &[DVec2], margin: f64) -> bool {
-        group.go_back_unless_it_loses(before);
+    fn take_nearly(&mut self, group: &mut Group, margin: f64) -> bool {
         group.contacts.iter_mut().for_each(|contact| contact.least += margin);
         let precision = PRECISION * self.rest_speed;
         let half = precision + 0.5 * margin;
@@ -165,10 +182,8 @@ impl Exact {
                 let rests = self.marks[slot].rests();
                 let velocity = self.lift_off(slot, velocity);
                 let marks = &mut self.marks[slot];
-                // What is lifted off a wall flies.
-                let carried = marks.has(Marks::CARRIED) && marks.rests() == rests;
-                marks.set(Marks::CARRIED, carried);
                 marks.set(Marks::HIT, true);
+                self.note_lift(slot, rests);
                 self.redirect(slot, (position, velocity), now);
             }
         }

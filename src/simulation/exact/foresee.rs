@@ -61,7 +61,7 @@ impl Exact {
     #[inline]
     pub(super) fn foresee_both<N: Needs>(&mut self, one: usize, other: usize, now: f64) {
         // All but always they part now, in straight flight beside each other: that needs no proof by the roots, twice.
-        let beside = !N::HOLDS || self.marks[one].rests() == self.marks[other].rests();
+        let beside = !N::HOLDS || self.marks[one].unaccelerated() == self.marks[other].unaccelerated();
         let parts = beside && !N::DETECT && self.pair::<N>(one, other, now).parts_from_touch();
         if parts {
             let before = (self.hide::<N>(one), self.hide::<N>(other));

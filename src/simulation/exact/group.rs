@@ -4,6 +4,7 @@
 use glam::DVec2;
 
 use super::contacts::{Contact, Support, descend, pivot};
+use super::interior::approach_from_outside;
 use super::sweeps::{Enough, accelerate};
 
 /// The part of gravity that may be left unbalanced on a ball that is held: as if there were so much friction.
@@ -26,6 +27,8 @@ const BALANCE_SWEEPS: usize = 2000;
 /// sweeps then, as many as there are layers, and solving for all in the order of their places takes less.
 pub(super) const MOST_UNLIKE: f64 = 10.0;
 const MOST_SLENDER: f64 = 8.0;
+/// A step from outside takes about as long as so many sweeps.
+const SWEEPS_PER_STEP: usize = 20;
 /// Blows on groups of more contacts than this wait in any case.
 const MANY_CONTACTS: usize = 400;
 
@@ -198,14 +201,15 @@ impl Group {
     }
 
     /// Looks for velocities with which each contact's members part as fast as they are to at least, from what contacts push
-    /// already, and returns how many steps it took; `directly` where sweeps do not find them.
+    /// already, and returns how many steps it took; `directly` where sweeps do not find them, as where there is no room.
     pub(super) fn move_on(&mut self, enough: Enough, directly: bool) -> usize {
         if !self.takes_sweeps() {
             return self.move_on_exactly(enough.slower);
         }
         let sweeps = self.sweep(enough);
         let found = sweeps < enough.most_sweeps;
-        sweeps + if found || !directly { 0 } else { self.move_on_exactly(enough.slower) }
+        let steps = if found || !directly { None } else { self.move_on_without_room(enough.slower) };
+        sweeps + steps.unwrap_or_default()
     }
 
     /// The same by sweeps alone.
@@ -217,6 +221,18 @@ impl Group {
     pub(super) fn move_on_exactly(&mut self, enough: f64) -> usize {
         self.line_up();
         descend(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
+    }
+
+    /// The same where there is no room, and contacts are many. Returns how many sweeps take as long, or [`None`] where there are no such
+    /// velocities: then they stay as they are.
+    pub(super) fn move_on_without_room(&mut self, enough: f64) -> Option<usize> {
+        let axis = self.longer_axis();
+        let mut order: Vec<usize> = (0..self.members.len()).collect();
+        let place = |&member: &usize| self.members[member].position[axis];
+        order.sort_by(|one, other| place(one).total_cmp(&place(other)));
+        let Self { velocities, inverse_masses, contacts, .. } = self;
+        let steps = approach_from_outside(velocities, inverse_masses, contacts, &order, enough);
+        steps.map(|steps| SWEEPS_PER_STEP * steps)
     }
 
     /// Whether it has many contacts.
@@ -238,9 +254,14 @@ impl Group {
         // False for a NaN.
         let loses = self.energy(&self.velocities) <= self.energy(before);
         if !loses {
-            self.velocities.copy_from_slice(before);
-            self.contacts.iter_mut().for_each(|contact| contact.push = 0.0);
+            self.go_back(before);
         }
+    }
+
+    /// Goes back to these velocities, without pushes.
+    pub(super) fn go_back(&mut self, before: &[DVec2]) {
+        self.velocities.copy_from_slice(before);
+        self.contacts.iter_mut().for_each(|contact| contact.push = 0.0);
     }
 
     /// How much faster than it is to the contact parts that does so least, px/s.
@@ -262,11 +283,16 @@ impl Group {
         places().fold(DVec2::NEG_INFINITY, DVec2::max) - places().fold(DVec2::INFINITY, DVec2::min)
     }
 
+    /// The axis along which it is longer.
+    fn longer_axis(&self) -> usize {
+        let size = self.size();
+        usize::from(size.y > size.x)
+    }
+
     /// Puts contacts into the order of their places along the group's longer side: those that have a member in common are near
     /// each other then.
     fn line_up(&mut self) {
-        let size = self.size();
-        let axis = usize::from(size.y > size.x);
+        let axis = self.longer_axis();
         let place = |member: usize| self.members[member].position[axis];
         let middle = |contact: &Contact| match contact.against {
             Support::Member(other) => 0.5 * (place(contact.one) + place(other)),

@@ -20,7 +20,7 @@ use crate::simulation::flight::{self, DEEP};
 use crate::simulation::impulse::{any_offset, exact_impact, held_impact};
 use crate::simulation::jams;
 
-use super::flights::{Marks, Matter};
+use super::flights::{Marks, Matter, Way};
 use super::settle::FIRM;
 use super::{Exact, LEAN, Needs};
 
@@ -110,15 +110,19 @@ impl Exact {
 
     /// Whether a ball of this radius has no room between the walls across an axis.
     pub(in crate::simulation) fn jams(&self, radius: f64, axis: usize) -> bool {
-        self.walls.is_some() && jams(self.size, radius).test(axis)
+        self.jams_on(radius) >> axis & 1 == 1
     }
 
-    /// Begins a new flight of a ball, which is not carried, nor waits, any more unless whoever does it says so.
+    /// On which axes it has none, a bit each.
+    pub(super) fn jams_on(&self, radius: f64) -> usize {
+        if self.walls.is_some() { jams(self.size, radius).bitmask() as usize } else { 0 }
+    }
+
+    /// Begins a new flight of a ball with an impact.
     #[inline]
     pub(super) fn set_out(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
         let soon = self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter_time;
         self.marks[slot].strike(soon);
-        self.marks[slot].set(Marks::GOES_ALONG, false);
         let flight = &mut self.flights[slot];
         (flight.position, flight.velocity, flight.time) = (position, velocity, now);
     }
@@ -132,8 +136,7 @@ impl Exact {
         high: bool,
         now: f64,
     ) {
-        if N::HOLDS && self.marks[slot].has(Marks::WAITS) {
-            self.end_wait::<N>(slot, now);
+        if N::HOLDS && self.ends_wait::<N>(slot, now) {
             return self.foresee::<N>(slot, now);
         }
         let (mut position, mut velocity) = self.state::<N>(slot, now);
@@ -156,10 +159,8 @@ impl Exact {
         tally.wall_impulse[axis] += mass * (velocity[axis] - before);
         // That of an elastic wall says nothing: it would lose nothing either way.
         let counts = !chatters || self.wall_restitution(false) < 1.0;
-        let carried = self.marks[slot].has(Marks::CARRIED);
         self.set_out(slot, (position, velocity), now);
         let marks = &mut self.marks[slot];
-        marks.set(Marks::CARRIED, carried);
         marks.set(Marks::rests_on(axis), rests);
         if pressed && chatter_speed == 0.0 {
             // So long a hop is one of its own; what is pressed to the wall by others hits it sooner.
@@ -176,10 +177,21 @@ impl Exact {
     }
 
     /// Ends that a ball is carried, if it is, and returns its velocity where that of its flight is this.
-    fn throw_off(&mut self, slot: usize, velocity: DVec2, now: f64) -> DVec2 {
+    pub(super) fn throw_off(&mut self, slot: usize, velocity: DVec2, now: f64) -> DVec2 {
+        if !self.marks[slot].has(Marks::CARRIED) {
+            return velocity;
+        }
         let velocity = self.true_velocity(slot, velocity, self.since_middle(now));
-        self.marks[slot].set(Marks::CARRIED, false);
+        self.marks[slot].go(Way::Flies);
         velocity
+    }
+
+    /// Notes that a ball flies by itself if it was lifted off a wall, where it rested on these axes before: its velocity is no mean one.
+    pub(super) fn note_lift(&mut self, slot: usize, rested: usize) {
+        let marks = &mut self.marks[slot];
+        if marks.has(Marks::CARRIED) && marks.rests() != rested {
+            marks.go(Way::Flies);
+        }
     }
 
     /// Whether a ball that hits a wall at this speed, px/s, where gravity presses it, stays there.
@@ -211,8 +223,7 @@ impl Exact {
             meeting.offset = any_offset(one, other, 1e-9);
         }
         let firm = N::HOLDS && !meeting.slower_than(FIRM * self.rest_speed);
-        if N::HOLDS && self.waits_at::<N>([one, other], firm, now) {
-            tally.impacts += 1;
+        if N::HOLDS && self.waits_at::<N>(tally, [one, other], firm, now) {
             return;
         }
         if firm {
@@ -242,12 +253,13 @@ impl Exact {
         let chatter = (chatters(one, first), chatters(other, second));
         let e = if chatter.0 || chatter.1 { 1.0 } else { restitution };
         let (rests1, rests2) = (self.marks[one].rests(), self.marks[other].rests());
-        let pressed = N::HOLDS && self.pulls[rests1] != self.pulls[rests2];
+        let pulls = [self.pull::<N>(one), self.pull::<N>(other)];
+        let pressed = N::HOLDS && pulls[0] != pulls[1];
         let plain = least == 0.0 && !chatter.0 && !chatter.1 && !self.wedged();
         let (meeting, e) = if pressed || least > 0.0 {
             let hop = if pressed && !self.wedged() {
                 let hop = self.least_hop(restitution) * self.sliding_part(meeting.offset, [rests1, rests2]);
-                let presses = (self.pulls[rests2] - self.pulls[rests1]).dot(meeting.offset.normalize());
+                let presses = (pulls[1] - pulls[0]).dot(meeting.offset.normalize());
                 hop.min(self.longest_hop([one, other], presses, now))
             } else {
                 0.0
@@ -267,10 +279,8 @@ impl Exact {
         {
             let rests = self.marks[slot].rests();
             self.mark_hit::<N>(slot, change, leans, chatters);
-            // What is lifted off a wall flies: its velocity is no mean one.
-            let carried = self.marks[slot].has(Marks::CARRIED) && self.marks[slot].rests() == rests;
             self.set_out(slot, (position, velocity + change), now);
-            self.marks[slot].set(Marks::CARRIED, carried);
+            self.note_lift(slot, rests);
         }
         tally.impacts += 1;
         self.beside = false;
@@ -311,8 +321,7 @@ impl Exact {
     #[inline]
     fn chatters<N: Needs>(&self, slot: usize, matter: &Matter, meeting: &Meeting, now: f64) -> bool {
         // That another ball has hit a fixed one a moment before says nothing: it has not moved.
-        let speed = if N::HOLDS && matter.is_fixed() { 0.0 } else { self.chatter_speed(slot, now) };
-        meeting.slower_than(speed)
+        !(N::HOLDS && matter.is_fixed()) && meeting.slower_than(self.chatter_speed(slot, now))
     }
 
     /// Marks a ball that another has hit, whose velocity changes by so much.
@@ -341,7 +350,8 @@ impl Exact {
             let (position, _) = self.state::<N>(slot, now);
             self.set_out(slot, (position, DVec2::ZERO), now);
             let marks = &mut self.marks[slot];
-            (0..2).for_each(|axis| marks.set(Marks::rests_on(axis), true));
+            marks.go(Way::Flies);
+            marks.rest(3);
             marks.set(Marks::HIT, true);
             marks.set(Marks::LEANS, true);
         }

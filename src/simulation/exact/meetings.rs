@@ -67,8 +67,12 @@ impl Exact {
             return false;
         }
         let left = next - now;
-        let nearer = -(pair.velocity + pull * (0.5 * left)).dot(pair.offset) * left;
-        (0.0..NO_NEARER * pair.reach * pair.offset.length()).contains(&nearer)
+        let (closing, pulled) = (-pair.velocity.dot(pair.offset), pull.dot(pair.offset));
+        let nearer_after = |time: f64| (closing - pulled * (0.5 * time)) * time;
+        // They come nearest when gravity has turned that, if it does.
+        let turns = if pulled > 0.0 { (closing / pulled).clamp(0.0, left) } else { left };
+        let most = NO_NEARER * pair.reach * pair.offset.length();
+        (0.0..most).contains(&nearer_after(left)) && nearer_after(turns) < most
     }
 
     /// Finds the ball that this one meets first, where that is before both have another impact; then each is the
@@ -107,7 +111,7 @@ impl Exact {
             let held = |slot: usize| self.marks[slot].rests() == 3;
             if N::HOLDS && held(slot) && held(other) {
                 // Neither moves: they never meet.
-            } else if N::HOLDS && self.marks[slot].rests() != self.marks[other].rests() {
+            } else if N::HOLDS && self.marks[slot].unaccelerated() != self.marks[other].unaccelerated() {
                 // These cost most, and least where there is little time left: they come last.
                 let time = limit(other, &first) - now;
                 let keeps_away = !inside(other) && pair(other).keeps_away(pull(other), time);

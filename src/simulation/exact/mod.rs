@@ -11,9 +11,9 @@
 //! - `foresee`, `meetings`: which event comes next for a ball, on its own way or with others;
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
-//! - `settle`, `group`, `contacts`, `sweeps`: how they come to rest on each other;
-//! - `carry`, `onward`, `blows`, `flurry`: how many go on that press on each other until then, what becomes of blows on them, and what
-//!   ends their flurries of hits;
+//! - `settle`, `group`, `contacts`, `sweeps`, `interior`: how they come to rest on each other;
+//! - `carry`, `onward`, `blows`, `flurry`, `headway`: how many go on that press on each other until then, what becomes of blows on
+//!   them, what ends their flurries of hits, and which of them are jammed;
 //! - `pace`: whether there are more impacts than can be followed;
 //! - `pressing`: when it ends because balls press on each other, where `contact` holds these;
 //! - `cells`, `swept`, `calendar`: where balls are, and will be, and the queue;
@@ -30,7 +30,9 @@ mod flights;
 mod flurry;
 mod foresee;
 mod group;
+mod headway;
 mod impacts;
+mod interior;
 mod meetings;
 mod onward;
 mod pace;
@@ -64,7 +66,7 @@ use swept::Swept;
 #[derive(Debug, Clone)]
 pub(super) struct Exact {
     gravity: DVec2,
-    /// The acceleration of a ball by the axes on which it rests (see [`Marks::rests`]).
+    /// The acceleration of a ball by the axes along which nothing accelerates it (see [`Marks::unaccelerated`]).
     pulls: [DVec2; 4],
     size: DVec2,
     walls: Option<f64>,
@@ -162,7 +164,7 @@ impl Exact {
     /// A ball's acceleration.
     #[inline]
     fn pull<N: Needs>(&self, slot: usize) -> DVec2 {
-        if N::HOLDS { self.pulls[self.marks[slot].rests()] } else { DVec2::ZERO }
+        if N::HOLDS { self.pulls[self.marks[slot].unaccelerated()] } else { DVec2::ZERO }
     }
 
     /// Position and velocity of a ball now.
@@ -187,8 +189,11 @@ impl Exact {
         for ((ball, touches), &slot) in frame.balls.iter_mut().zip(&mut *frame.touching).zip(&self.slots) {
             let slot = slot as usize;
             let (flight, marks) = (&self.flights[slot], self.marks[slot]);
-            (ball.position, ball.velocity) =
-                if N::HOLDS { flight.at(now, self.pulls[marks.rests()]) } else { flight.straight(now) };
+            (ball.position, ball.velocity) = if N::HOLDS {
+                flight.at(now, self.pulls[marks.unaccelerated()])
+            } else {
+                flight.straight(now)
+            };
             if N::HOLDS {
                 ball.velocity = if marks.has(Marks::WAITS) {
                     self.own_velocity(slot, ball.position)
@@ -202,7 +207,8 @@ impl Exact {
             *touches = leans || inside || marks.has(Marks::HIT);
         }
         for marks in &mut self.marks {
-            marks.set(Marks::HIT, false);
+            // What goes along with others touches them in the next frame, too, however soon it is let go of.
+            marks.set(Marks::HIT, marks.has(Marks::GOES_ALONG));
         }
     }
 

@@ -80,7 +80,7 @@ impl Exact {
                 contact.push = if part { self.carry.push(key(&group.members, contact)) } else { 0.0 };
                 contact.apply(contact.push, &mut group.velocities, &group.inverse_masses);
             }
-            let steps = group.move_on(enough, self.carry.is_jammed(group));
+            let steps = group.move_on(enough, self.carry.headway.is_jammed(group));
             self.note_steps(group, steps);
             // What rebounds takes some.
             let parts = |contact: &&Contact| {

@@ -42,8 +42,9 @@ impl Exact {
         let mut read = 0;
         for &Entry { ball, .. } in events {
             let slot = ball as usize;
-            read ^=
-                flights[slot].event.to_bits() ^ marks[slot].rests() as u64 ^ u64::from(cells.behind(slot));
+            read ^= flights[slot].event.to_bits()
+                ^ marks[slot].unaccelerated() as u64
+                ^ u64::from(cells.behind(slot));
         }
         // Balls at the head of their cells, and those behind them; hardly any is third.
         let mut near = Slots::new();

@@ -14,7 +14,7 @@ use crate::simulation::Tally;
 use crate::simulation::flight::DEEP;
 
 use super::contacts::{Contact, Support};
-use super::flights::{Flight, Marks, Matter};
+use super::flights::{Flight, Marks, Matter, Way};
 use super::group::{Group, Member, RATTLER};
 use super::impacts::QUICK;
 use super::{Exact, LEAN, Needs};
@@ -94,8 +94,10 @@ impl Exact {
         tally.wall_impulse += by_walls;
         let cost = (group.members.len() + steps * group.contacts.len() / STEPS_PER_EVENT) as i64;
         // Where nothing comes to rest, it is too early.
-        let in_vain = group.members.iter().all(|member| !member.stays);
+        let in_vain = group.members.iter().all(|member| !member.stays)
+            && (self.gravity != DVec2::ZERO || stopped.taken <= 0.0);
         self.credit -= if in_vain { IN_VAIN * cost } else { cost };
+        self.unwatched += cost as u32;
         self.lay_down::<N>(&group, carry, now);
         self.note_leaning(&group);
     }
@@ -121,13 +123,16 @@ impl Exact {
     /// The group of a ball that has chattered for long, if it is time to stop it: not where it is carried, and taken in in the next
     /// step, unless it is stuck.
     fn group_to_stop<N: Needs>(&mut self, slot: usize, now: f64, stuck: bool) -> Option<Group> {
-        let waits = self.marks[slot].has(Marks::CARRIED) && !stuck;
-        if self.note_pressing(now) || self.credit < 0 || waits {
+        let goes_along = self.marks[slot].has(Marks::GOES_ALONG) && !stuck;
+        if self.note_pressing(now) || self.credit < 0 || goes_along {
             return None;
+        }
+        if stuck {
+            self.end_waits::<N>(now);
         }
         let belong = if stuck { Belong::Slow(SLOW) } else { Belong::UpToCarried(SLOW) };
         let near = Near { touch: self.touch_distance(), belong, farther: 0.0 };
-        let group = self.gather::<N>(slot, now, near);
+        let group = self.gather::<N>(slot, now, near, &[]);
         if !stuck && group.members.iter().any(|member| self.marks[member.slot].has(Marks::GOES_ALONG)) {
             self.credit -= group.members.len() as i64;
             return None;
@@ -156,22 +161,20 @@ impl Exact {
             if held {
                 self.let_go::<N>(slot);
             }
-            self.marks[slot].set(Marks::HELD, stays);
             if among_balls {
                 // What it touches, or as good as, has stopped it, or let it go.
                 self.marks[slot].set(Marks::HIT, true);
             }
-            let mut velocity = if stays {
-                (0..2).for_each(|axis| self.marks[slot].set(Marks::rests_on(axis), true));
-                DVec2::ZERO
-            } else {
-                self.lift_off(slot, velocity)
-            };
-            if carry && self.marks[slot].rests() == 0 {
+            let mut velocity = if stays { DVec2::ZERO } else { self.lift_off(slot, velocity) };
+            if carry && !stays && self.marks[slot].rests() == 0 {
                 velocity += self.gravity * self.since_middle(now);
             }
             self.set_out(slot, (position, velocity), now);
-            self.marks[slot].set(Marks::CARRIED, carry && !stays);
+            self.marks[slot].go(match (stays, carry) {
+                (true, _) => Way::Held,
+                (false, true) => Way::Carried,
+                (false, false) => Way::Flies,
+            });
             self.foresee::<N>(slot, now);
         }
     }
@@ -220,9 +223,12 @@ impl Exact {
         (0.5 * self.rest_speed * self.chatter_time).min(self.chatter_length)
     }
 
-    /// The balls that touch a ball, those that touch these and so on, as far as they belong together.
-    pub(super) fn gather<N: Needs>(&mut self, slot: usize, now: f64, near: Near) -> Group {
+    /// The balls that touch a ball, those that touch these and so on, as far as they belong together and are none of those that were
+    /// `taken` in by others, by their slots.
+    pub(super) fn gather<N: Needs>(&mut self, slot: usize, now: f64, near: Near, taken: &[bool]) -> Group {
+        debug_assert!(!self.matter::<N>(slot).is_fixed());
         let Near { touch, belong, farther } = near;
+        let most = if taken.is_empty() { LARGEST } else { usize::MAX };
         let (up_to_carried, flurry) = (matches!(belong, Belong::UpToCarried(_)), belong == Belong::Flurry);
         let mut group = Group { absorbs: self.wedged(), ..Group::default() };
         let mut found = std::mem::take(&mut self.found);
@@ -271,6 +277,7 @@ impl Exact {
                 }
                 let normal = offset / length;
                 let held = self.marks[slot].has(Marks::HELD);
+                let is_taken = taken.get(slot).is_some_and(|taken| *taken);
                 let is_new = found[slot] == NONE && !matter.is_fixed();
                 if is_new {
                     let joins = match belong {
@@ -284,7 +291,7 @@ impl Exact {
                                 || speed < slow * self.rest_speed
                         }
                     };
-                    if joins && group.members.len() < LARGEST {
+                    if joins && !is_taken && group.members.len() < most {
                         found[slot] = add(&mut group, slot);
                     } else if !held {
                         return;
@@ -324,13 +331,11 @@ impl Exact {
 
     /// Ends the hold on a ball; whoever does it lets it set out, and finds out what comes next.
     pub(super) fn let_go<N: Needs>(&mut self, slot: usize) {
-        let radius = self.matter::<N>(slot).radius;
-        for axis in 0..2 {
-            let jams = self.jams(radius, axis);
-            self.marks[slot].set(Marks::rests_on(axis), jams);
-        }
+        let jams = self.jams_on(self.matter::<N>(slot).radius);
         let marks = &mut self.marks[slot];
-        marks.set(Marks::HELD, false);
+        marks.rest(jams);
+        marks.go(Way::Flies);
+        marks.forget_quick_hits();
         marks.calm_down();
         // It touched others until now, and does so no more where the next frame is shown.
         marks.set(Marks::HIT, true);
@@ -348,7 +353,7 @@ impl Exact {
             if self.marks[one].has(Marks::HELD) {
                 let Flight { position, place, .. } = self.flights[one];
                 self.let_go::<N>(one);
-                self.set_out(one, (position, DVec2::ZERO), now);
+                self.redirect(one, (position, DVec2::ZERO), now);
                 let radius = self.matter::<N>(one).radius;
                 let Some(cells) = &self.cells else { break };
                 cells.for_each_near::<N>(one, place, None, |other| {

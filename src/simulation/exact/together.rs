@@ -9,7 +9,7 @@ use crate::simulation::Tally;
 use crate::simulation::flight::Pair;
 use crate::simulation::simultaneous::{Body, Contact, exchange, lie_in_each_other};
 
-use super::flights::Marks;
+use super::flights::{Marks, Way};
 use super::{Exact, LEAN, Needs};
 
 /// Balls touch where the square of their distance exceeds that at which they touch by at most this part of it: their
@@ -67,6 +67,7 @@ impl Exact {
             }
             self.set_out(slot, (group.positions[index], velocity), now);
             let marks = &mut self.marks[slot];
+            marks.go(Way::Flies);
             marks.set(Marks::HIT, true);
             marks.set(Marks::LEANS, false);
             marks.note_chatter(false);
@@ -97,7 +98,7 @@ impl Exact {
                 }
                 let (position, velocity) = match known {
                     Some(known) => (group.positions[known], group.bodies[known].velocity),
-                    None => self.state::<N>(other, now),
+                    None => self.true_state::<N>(other, now),
                 };
                 let own = (group.positions[at], group.bodies[at].velocity);
                 let Some(meeting) = self.meets::<N>((slot, own), (other, (position, velocity))) else {
