@@ -106,6 +106,27 @@ fn shown(gif: &str) -> u32 {
 }
 
 #[test]
+fn a_replay_is_played_that_an_editor_has_put_a_byte_order_mark_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.replay");
+    std::fs::write(&path, "\u{feff}carom replay 1\nframe 0\nframe 0.1\n").unwrap();
+    let output = run(&["gravity", "--commands", path.to_str().unwrap()]);
+    assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0));
+}
+
+#[test]
+fn a_picture_of_a_world_that_a_replay_has_made_too_large_is_refused_and_not_of_something_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, picture) = (folder.path().join("a.replay"), folder.path().join("a.png"));
+    std::fs::write(&path, "carom replay 1\nframe 0\nresize 100000 100000\nframe 0.1\n").unwrap();
+    let command = ["gravity", "--commands", path.to_str().unwrap(), "--image", picture.to_str().unwrap()];
+    let output = run(&command);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(String::from_utf8(output.stderr).unwrap().contains("memory"));
+    assert!(!picture.exists());
+}
+
+#[test]
 fn changes_of_a_replay_that_do_nothing_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.replay");

@@ -60,7 +60,7 @@ impl Check {
         simulation: &Simulation,
     ) -> Result<(), Box<Broken>> {
         self.ledger.check(simulation).map_err(|violation| {
-            let path = PathBuf::from(format!("{}-frame-{}.toml", run.course.scene().name(), frame - 1));
+            let path = free_path(run, &format!("{}-frame-{}", run.course.scene().name(), frame - 1));
             let rain = if run.course.scene().rain().is_some() { RAIN_IS_LEFT_OUT } else { "" };
             let text = format!(
                 "# `carom run {} --solver {} --check`, with the other options that it had, broke the law of {} in\n\
@@ -80,6 +80,19 @@ impl Check {
             Box::new(Broken { frame, time: simulation.time(), violation, file: written.map(|()| path) })
         })
     }
+}
+
+/// The path of a scene file of this name, with the first number behind it, if it takes one, that no other file has, nor one that the
+/// run writes.
+pub(super) fn free_path(run: &Run, name: &str) -> PathBuf {
+    let outputs = || [&run.trace, &run.image, &run.gif, &run.summary].into_iter().flatten();
+    let is_free = |path: &PathBuf| !path.exists() && outputs().all(|output| output != path);
+    let (mut path, mut number) = (PathBuf::from(format!("{name}.toml")), 1);
+    while !is_free(&path) {
+        number += 1;
+        path = PathBuf::from(format!("{name}-{number}.toml"));
+    }
+    path
 }
 
 /// What is said of rain, which a scene file can only begin anew, from its first balls.

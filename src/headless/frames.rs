@@ -65,7 +65,7 @@ const MOST_FRAMES: f64 = 1e15;
 const LONGEST_FILE: u64 = 1 << 28;
 /// The most characters of a line that a message quotes.
 const LONGEST_QUOTE: usize = 60;
-/// Time that differs from a whole number of frames by no more than this part of one is that number of frames.
+/// Time that differs from a whole number of frames by no more than this part of one, and no more seconds, is that number of frames.
 const ROUNDING: f64 = 1e-6;
 
 impl Frames {
@@ -99,7 +99,7 @@ impl Frames {
         }
         let delta = 1.0 / rate;
         let nearest = frames.round();
-        let (whole, rest) = if (frames - nearest).abs() <= ROUNDING {
+        let (whole, rest) = if (frames - nearest).abs() <= ROUNDING * rate.min(1.0) {
             (nearest, 0.0)
         } else {
             (frames.floor(), (frames - frames.floor()) / rate)
@@ -189,6 +189,8 @@ mod tests {
         assert_eq!(all(&Frames::even(0.0, 60.0).unwrap()), [0.0]);
         assert_eq!(all(&Frames::even(0.1, 60.0).unwrap()), [[0.0].as_slice(), &[1.0 / 60.0; 6]].concat());
         assert_eq!(all(&Frames::even(1.0, 0.5).unwrap()), [0.0, 1.0]);
+        // However few of them there are in a second.
+        assert_eq!(all(&Frames::even(1.0, 1e-6).unwrap()), [0.0, 1.0]);
         let uneven = all(&Frames::even(0.25, 10.0).unwrap());
         assert_eq!(uneven.len(), 4);
         assert!((uneven.iter().sum::<f64>() - 0.25).abs() < 1e-15);

@@ -229,6 +229,17 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_left_behind_takes_the_place_of_no_file_and_of_no_output() {
+        let here = tempfile::tempdir().unwrap();
+        let name = here.path().join("scene-frame-9").to_str().unwrap().to_owned();
+        let path = |ending: &str| std::path::PathBuf::from(format!("{name}{ending}"));
+        let run = Run { trace: Some(path("-2.toml")), ..checked("") };
+        assert_eq!(check::free_path(&run, &name), path(".toml"));
+        std::fs::write(path(".toml"), "mine").unwrap();
+        assert_eq!(check::free_path(&run, &name), path("-3.toml"));
+    }
+
+    #[test]
     fn a_frame_left_behind_says_that_the_rain_is_not_in_it() {
         let rain = "size = [400, 300]\n[walls]\n[[ball]]\nposition = [200, 150]\nradius = 5\n[rain]\nrate = 1\n\
                     radius = 2\n";

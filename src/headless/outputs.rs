@@ -106,16 +106,15 @@ impl Outputs {
             let finished = animation.finish(summary.seconds);
             Ok(finished.map_err(|source| RunError::of_animation(&path, source))?.finish()?)
         });
-        let painted = image.zip(canvas).map_or(Ok(()), |(image, mut canvas)| {
-            if let Ok(blank) = paint::blank(simulation.world().size())
-                && (blank.width(), blank.height()) != (canvas.width(), canvas.height())
-            {
+        let painted: Result<(), RunError> = image.zip(canvas).map_or(Ok(()), |(image, mut canvas)| {
+            let blank = paint::blank(simulation.world().size())?;
+            if (blank.width(), blank.height()) != (canvas.width(), canvas.height()) {
                 // The world has been resized.
                 canvas = blank;
             }
             painter.repaint(simulation, 1.0, &mut canvas.as_mut());
             let png = canvas.encode_png().map_err(|error| image.error(io::Error::other(error)))?;
-            image.complete(&png)
+            Ok(image.complete(&png)?)
         });
         let summarised = match json {
             Some(output) => match serde_json::to_string_pretty(summary) {

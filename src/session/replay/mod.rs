@@ -141,6 +141,8 @@ impl Replay {
     /// [`ReplayError`] as for [`read`](Self::read).
     pub fn parse(path: &Path, text: &str, scene: &Scene) -> Result<Self, ReplayError> {
         let wrong = |line, message| ReplayError::Line { path: path.to_owned(), line, message };
+        // Some editors begin a file with a mark that nobody sees.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         if text.lines().next().is_none_or(|first| first.trim_end() != FIRST_LINE) {
             return Err(wrong(1, format!("this is not a replay, which begins with \"{FIRST_LINE}\"")));
         }
