@@ -62,7 +62,13 @@ impl Exact {
         } else if !(self.ends_wait::<N>(one, now) | self.ends_wait::<N>(other, now)) {
             return false;
         }
-        self.foresee_both::<N>(one, other, now);
+        let ((p1, v1), (p2, v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
+        if comes.is_none() && (v1 - v2).dot(p1 - p2) < 0.0 {
+            // At once: else what waits beside them could stop one again before the other has given it anything.
+            self.collide::<N>(tally, one, other, now);
+        } else {
+            self.foresee_both::<N>(one, other, now);
+        }
         true
     }
 
@@ -90,10 +96,11 @@ impl Exact {
         self.note_blow::<N>(slot, now);
         let (position, _) = self.state::<N>(slot, now);
         self.set_out(slot, (position, along), now);
-        let rests = self.marks[other].rests();
+        let (rests, straight) = (self.marks[other].rests(), self.marks[other].has(Marks::STRAIGHT));
         let marks = &mut self.marks[slot];
         marks.rest(rests);
         marks.go(Way::Waits);
+        marks.set(Marks::STRAIGHT, straight);
         marks.set(Marks::LEANS, false);
         marks.note_chatter(false);
         // Only once in a step: between two that come nearer it would wait without end.

@@ -196,7 +196,8 @@ impl Exact {
             let marks = self.marks[slot];
             let moves = !(seen[slot] || marks.has(Marks::HELD) || self.matter::<N>(slot).is_fixed());
             if moves && (marks.has(Marks::GOES_ALONG) || marks.is_restless()) {
-                let near = Near { touch: self.carry_touch(), belong: Belong::Slow(1.0), farther };
+                let near =
+                    Near { touch: self.carry_touch(), belong: Belong::Slow(1.0), farther, most: usize::MAX };
                 let group = self.gather::<N>(slot, now, near, &seen);
                 group.members.iter().for_each(|member| seen[member.slot] = true);
                 chatters.extend(self.step_group::<N>(tally, group, now, &mut pushes));
@@ -322,15 +323,17 @@ impl Exact {
     /// Leaves a group to its impacts, and returns one of its balls that has chattered for long, for `settle`, if any has.
     fn leave_alone<N: Needs>(&mut self, group: &Group, now: f64) -> Option<usize> {
         for &Member { slot, .. } in &group.members {
-            if self.is_carried(slot) {
+            let straight = self.marks[slot].has(Marks::STRAIGHT);
+            if self.is_carried(slot) || straight {
                 let (position, velocity) = self.state::<N>(slot, now);
                 let half_kick = self.gravity * (0.5 * self.carry.step());
                 let mean = velocity - self.marks[slot].accelerated_part(half_kick);
-                if mean.length() < LIFTED * self.rest_speed {
-                    // So slow is only what velocities are wrong by.
-                    self.redirect(slot, (position, half_kick), now);
-                } else if self.marks[slot].has(Marks::STRAIGHT) {
-                    self.redirect(slot, (position, mean + half_kick), now);
+                // So slow is only what velocities are wrong by.
+                let is_slow = mean.length() < LIFTED * self.rest_speed;
+                if is_slow || straight {
+                    let mean = if is_slow { DVec2::ZERO } else { mean };
+                    let velocity = self.marks[slot].free_part(mean + half_kick);
+                    self.redirect(slot, (position, velocity), now);
                 }
             }
             let marks = &mut self.marks[slot];

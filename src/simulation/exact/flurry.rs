@@ -13,7 +13,7 @@ use crate::simulation::clock::INSTANT;
 use super::contacts::Support;
 use super::flights::Marks;
 use super::group::{Group, Member};
-use super::settle::{Belong, FIRM, Near, STEPS_PER_EVENT};
+use super::settle::{Belong, FIRM, LARGEST, Near, STEPS_PER_EVENT};
 use super::sweeps::Enough;
 use super::{Exact, Needs};
 
@@ -25,6 +25,8 @@ const KEPT_APART: f64 = 0.5;
 const KEPT_OFF: f64 = 1e-3;
 /// How exactly velocities are found, in rest speeds.
 const PRECISION: f64 = 1e-8;
+/// How much faster than they have to those may part that push where there is no room, in rest speeds.
+const LOOSE: f64 = 1e-2;
 /// What takes an approach from a flurry that is faster than this, in rest speeds, gets on, however little time passes.
 const GETS_ON: f64 = 1e-3;
 /// Among many contacts, how much faster than they have to balls are looked for that part, as a part of the fastest approach: so few
@@ -32,8 +34,8 @@ const GETS_ON: f64 = 1e-3;
 const MARGIN: f64 = 1e-2;
 /// In so many sweeps at most, and, where there is no room for that margin, so many without it.
 const MOST_SWEEPS: usize = 100;
-/// Any group waits in place for the next step after so many flurries since the last one, ...
-const MOST_FLURRIES: u32 = 64;
+/// Any group waits in place for the next step after so many flurries of one of its balls since the last one, ...
+const MOST_FLURRIES: u32 = 12;
 /// ... and one of many after so many: exact fits would have more and more of them.
 const FEW_FLURRIES: u32 = 4;
 
@@ -61,6 +63,7 @@ impl Exact {
             touch: self.carry_touch(),
             belong: Belong::Flurry,
             farther: self.farthest_way::<N>(now, left),
+            most: LARGEST,
         };
         let mut group = self.gather::<N>(slot, now, near, &[]);
         let deep = group.members.iter().any(|member| member.deep);
@@ -103,10 +106,11 @@ impl Exact {
         let before = group.velocities.clone();
         // What is drawn away from what does not move comes nearer to that first, unless it parts from it: without, where that takes
         // energy.
-        for parts in [true, false] {
+        let drawn = group.contacts.iter().any(|contact| contact.sooner(kicks) > 0.0);
+        for parts in if drawn { &[true, false][..] } else { &[false] } {
             for contact in &mut group.contacts {
                 let kept = if matches!(contact.against, Support::Member(_)) { KEPT_APART } else { KEPT_OFF };
-                let sooner = if parts { contact.sooner(kicks) } else { 0.0 };
+                let sooner = if *parts { contact.sooner(kicks) } else { 0.0 };
                 contact.least = sooner - (1.0 - kept) * contact.gap.max(0.0) / left;
             }
             let fastest = (-group.slowest_parting()).max(0.0);
@@ -129,20 +133,26 @@ impl Exact {
     /// Takes the approach, of which this is the fastest, from these velocities, and returns whether it does.
     fn take_approach(&mut self, group: &mut Group, before: &[DVec2], fastest: f64) -> bool {
         let precision = PRECISION * self.rest_speed;
-        if !group.takes_sweeps() {
+        let jammed = self.carry.headway.is_jammed(group);
+        let found = if group.takes_sweeps() {
+            // With a margin, as long as there is room for it.
+            self.take_nearly(group, MARGIN * fastest)
+        } else {
             let steps = group.move_on_exactly(precision);
             self.note_steps(group, steps);
-            return true;
-        }
-        // With a margin, as long as there is room for it.
-        if self.take_nearly(group, MARGIN * fastest) {
+            !jammed || group.slowest_parting() >= -precision
+        };
+        if found {
             return true;
         }
         group.go_back_unless_it_loses(before);
-        if self.carry.headway.is_jammed(group) {
-            let steps = group.move_on_without_room(precision);
-            self.note_steps(group, steps.unwrap_or_default());
-            return steps.is_some();
+        if jammed {
+            let faster = LOOSE * self.rest_speed;
+            let enough =
+                Enough { slower: precision, closing: 0.0, faster, dead: 0.0, most_sweeps: MOST_SWEEPS };
+            let (steps, found) = group.move_on_without_room(enough);
+            self.note_steps(group, steps);
+            return found;
         }
         // What is left then only begins the next flurry.
         self.take_nearly(group, 0.0);

@@ -203,13 +203,14 @@ impl Group {
     /// Looks for velocities with which each contact's members part as fast as they are to at least, from what contacts push
     /// already, and returns how many steps it took; `directly` where sweeps do not find them, as where there is no room.
     pub(super) fn move_on(&mut self, enough: Enough, directly: bool) -> usize {
-        if !self.takes_sweeps() {
-            return self.move_on_exactly(enough.slower);
-        }
-        let sweeps = self.sweep(enough);
-        let found = sweeps < enough.most_sweeps;
-        let steps = if found || !directly { None } else { self.move_on_without_room(enough.slower) };
-        sweeps + steps.unwrap_or_default()
+        let sweeps =
+            if self.takes_sweeps() { self.sweep(enough) } else { self.move_on_exactly(enough.slower) };
+        let found = if self.takes_sweeps() {
+            sweeps < enough.most_sweeps
+        } else {
+            self.slowest_parting() >= -enough.slower
+        };
+        sweeps + if found || !directly { 0 } else { self.move_on_without_room(enough).0 }
     }
 
     /// The same by sweeps alone.
@@ -223,16 +224,16 @@ impl Group {
         descend(&mut self.velocities, &self.inverse_masses, &mut self.contacts, enough)
     }
 
-    /// The same where there is no room, and contacts are many. Returns how many sweeps take as long, or [`None`] where there are no such
-    /// velocities: then they stay as they are.
-    pub(super) fn move_on_without_room(&mut self, enough: f64) -> Option<usize> {
+    /// The same where there is no room. Returns how many sweeps take as long, and whether there are such velocities: else they stay as
+    /// they are.
+    pub(super) fn move_on_without_room(&mut self, enough: Enough) -> (usize, bool) {
         let axis = self.longer_axis();
         let mut order: Vec<usize> = (0..self.members.len()).collect();
         let place = |&member: &usize| self.members[member].position[axis];
         order.sort_by(|one, other| place(one).total_cmp(&place(other)));
         let Self { velocities, inverse_masses, contacts, .. } = self;
-        let steps = approach_from_outside(velocities, inverse_masses, contacts, &order, enough);
-        steps.map(|steps| SWEEPS_PER_STEP * steps)
+        let (steps, found) = approach_from_outside(velocities, inverse_masses, contacts, &order, enough);
+        (SWEEPS_PER_STEP * steps, found)
     }
 
     /// Whether it has many contacts.

@@ -246,7 +246,7 @@ impl Exact {
         let least = self.least_parting(&meeting, first.radius + second.radius);
         let restitution = if self.wedged() { 0.0 } else { first.restitution.min(second.restitution) };
         if N::HOLDS && self.wedged() && (first.is_fixed() || second.is_fixed()) {
-            return self.hold::<N>(tally, one, other, now);
+            return self.hold::<N>(tally, [(one, p1), (other, p2)], now);
         }
         let may_chatter = self.takes_energy(restitution) && !self.wedged();
         let chatters = |slot, matter| may_chatter && self.chatters::<N>(slot, matter, &meeting, now);
@@ -345,9 +345,8 @@ impl Exact {
 
     /// Lays a ball to rest that hits a fixed one, and others, endlessly at one time: it has no room between them, and
     /// none of them gives way. An impact of another ball may free it.
-    fn hold<N: Needs>(&mut self, tally: &mut Tally, one: usize, other: usize, now: f64) {
-        for slot in [one, other] {
-            let (position, _) = self.state::<N>(slot, now);
+    fn hold<N: Needs>(&mut self, tally: &mut Tally, two: [(usize, DVec2); 2], now: f64) {
+        for (slot, position) in two {
             self.set_out(slot, (position, DVec2::ZERO), now);
             let marks = &mut self.marks[slot];
             marks.go(Way::Flies);
@@ -356,6 +355,7 @@ impl Exact {
             marks.set(Marks::LEANS, true);
         }
         tally.impacts += 1;
+        let [(one, _), (other, _)] = two;
         self.foresee_both::<N>(one, other, now);
     }
 

@@ -10,6 +10,7 @@ use glam::{DMat2, DVec2};
 use crate::simulation::cholesky::{Cholesky, Skyline};
 
 use super::contacts::{Contact, Support};
+use super::sweeps::Enough;
 
 /// So many steps are made at most.
 const MOST_STEPS: usize = 40;
@@ -17,24 +18,26 @@ const MOST_STEPS: usize = 40;
 const SHORT_OF: f64 = 0.995;
 /// Where a step can go no farther than this part of its way there is no answer.
 const SHORTEST: f64 = 1e-4;
-/// How much faster than they have to those that push may part, as a multiple of how much slower any may.
-const FASTER: f64 = 100.0;
+/// The part of its own give by which each contact counts as softer in a step, so that rounding leaves the masses seen beside what is
+/// stiff: what that leaves undone the next step does.
+const SOFTNESS: f64 = 1e-11;
 
-/// Finds velocities with which each contact's members part as fast as they are to at least, up to `enough`, px/s, and what contacts push
-/// then, whatever they push so far, and returns how many steps it took. [`None`] where there are none such, or they are not found:
-/// then nothing is changed. Members follow each other in this order; the nearer those that touch are in it, the less time it takes.
+/// Finds velocities with which each contact's members part as fast as they are to at least, and those that push hardly faster, and what
+/// contacts push then, whatever they push so far. Returns how many steps it took, and whether there are such velocities and they were
+/// found: else nothing is changed. Members follow each other in this order; the nearer those that touch are in it, the less time it
+/// takes.
 pub(super) fn approach_from_outside(
     motions: &mut [DVec2],
     inverse_masses: &[f64],
     contacts: &mut [Contact],
     order: &[usize],
-    enough: f64,
-) -> Option<usize> {
+    enough: Enough,
+) -> (usize, bool) {
     let mut before = motions.to_vec();
     for contact in &*contacts {
         contact.apply(-contact.push, &mut before, inverse_masses);
     }
-    let fastest = contacts.iter().map(|contact| -contact.spare(&before)).fold(enough, f64::max);
+    let fastest = contacts.iter().map(|contact| -contact.spare(&before)).fold(enough.slower, f64::max);
     let problem = Problem {
         masses: inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).collect(),
         before,
@@ -48,18 +51,18 @@ pub(super) fn approach_from_outside(
             for (contact, Strain { spare, push }) in contacts.iter_mut().zip(point.strains) {
                 contact.push = if push * contact.give > spare { push } else { 0.0 };
             }
-            return Some(steps);
+            return (steps, true);
         }
         let step = problem.step(&point);
         let part = (SHORT_OF * step.longest(&point)).min(1.0);
         // False for a NaN.
         let goes_on = part > SHORTEST && step.motions.iter().all(|motion| motion.is_finite());
         if !goes_on {
-            break;
+            return (steps + 1, false);
         }
         point.go(&step, part);
     }
-    None
+    (MOST_STEPS, false)
 }
 
 /// What is looked for.
@@ -74,7 +77,7 @@ struct Problem<'a> {
 /// How a contact is strained.
 #[derive(Debug, Clone, Copy)]
 struct Strain {
-    /// How much faster its members part than they are to, px/s: more than not at all. Only in the end that is what their velocities say.
+    /// How much faster its members part than they are to, px/s: more than not at all. In the end that is what their velocities say.
     spare: f64,
     /// What it pushes, more than nothing.
     push: f64,
@@ -127,13 +130,26 @@ impl Problem<'_> {
         Point { motions: self.before.clone(), strains: self.contacts.iter().map(strain).collect() }
     }
 
-    /// Whether that is the answer.
-    fn is_found(&self, point: &Point, enough: f64) -> bool {
-        let each = self.contacts.iter().zip(&point.strains);
-        each.into_iter().all(|(contact, strain)| {
+    /// Whether that is the answer: nothing closes, what parts does not push, and velocities are what pushes make of them.
+    fn is_found(&self, point: &Point, enough: Enough) -> bool {
+        let mut each = self.contacts.iter().zip(&point.strains);
+        let apart = each.all(|(contact, strain)| {
             let loose = strain.spare.min(strain.push * contact.give);
-            -contact.spare(&point.motions) <= enough && loose <= FASTER * enough
-        })
+            -contact.spare(&point.motions) <= enough.slower && loose <= enough.faster
+        });
+        let off = |(momentum, mass): (DVec2, &f64)| momentum.length() <= enough.faster * mass;
+        apart && self.momenta_off(point, |strain, _| strain.push).into_iter().zip(&self.masses).all(off)
+    }
+
+    /// The momenta that velocities lack where contacts push so much.
+    fn momenta_off(&self, point: &Point, push: impl Fn(&Strain, usize) -> f64) -> Vec<DVec2> {
+        let each = point.motions.iter().zip(&self.before).zip(&self.masses);
+        let mut momenta: Vec<DVec2> = each.map(|((now, before), mass)| (*before - *now) * *mass).collect();
+        for (at, (contact, strain)) in self.contacts.iter().zip(&point.strains).enumerate() {
+            let push = push(strain, at);
+            contact.pushed().for_each(|(member, direction)| momenta[member] += direction * push);
+        }
+        momenta
     }
 
     /// The step that leads there, as far as the problem is linear: with what is left to be made good of it by that (Mehrotra 1992).
@@ -155,18 +171,18 @@ impl Problem<'_> {
     /// The step with which, to first order, each contact's product of spare and push falls by this.
     fn step_by(&self, point: &Point, factors: &Cholesky, falls: &[f64]) -> Point {
         let off = |contact: &Contact, strain: &Strain| contact.spare(&point.motions) - strain.spare;
-        let push_by =
-            |strain: &Strain, falls: f64, spare_by: f64| -(falls + strain.push * spare_by) / strain.spare;
-        let each = point.motions.iter().zip(&self.before).zip(&self.masses);
-        let mut momenta: Vec<DVec2> = each.map(|((now, before), mass)| (*before - *now) * *mass).collect();
-        for ((contact, strain), &falls) in self.contacts.iter().zip(&point.strains).zip(falls) {
-            let push = strain.push + push_by(strain, falls, off(contact, strain));
-            contact.pushed().for_each(|(member, direction)| momenta[member] += direction * push);
-        }
+        let push_by = |contact: &Contact, strain: &Strain, falls: f64, parting_by: f64| {
+            -(falls + strain.push * parting_by) / (strain.spare + strain.push * SOFTNESS * contact.give)
+        };
+        let momenta = self.momenta_off(point, |strain, at| {
+            let contact = &self.contacts[at];
+            strain.push + push_by(contact, strain, falls[at], off(contact, strain))
+        });
         let motions = self.solve(factors, &momenta);
         let strain_by = |((contact, strain), &falls): ((&Contact, &Strain), &f64)| {
-            let spare = contact.parting(&motions) + off(contact, strain);
-            Strain { spare, push: push_by(strain, falls, spare) }
+            let parting = contact.parting(&motions) + off(contact, strain);
+            let push = push_by(contact, strain, falls, parting);
+            Strain { spare: parting + push * SOFTNESS * contact.give, push }
         };
         let strains = self.contacts.iter().zip(&point.strains).zip(falls).map(strain_by).collect();
         Point { motions, strains }
@@ -182,7 +198,8 @@ impl Problem<'_> {
         let mut earlier: Vec<Vec<(usize, DMat2)>> = vec![Vec::new(); self.order.len()];
         for (contact, Strain { spare, push }) in self.contacts.iter().zip(&point.strains) {
             let normal = contact.normal;
-            let stiffness = DMat2::from_cols(normal * normal.x, normal * normal.y) * (push / spare);
+            let stiffness = DMat2::from_cols(normal * normal.x, normal * normal.y)
+                * (push / (spare + push * SOFTNESS * contact.give));
             let one = ranks[contact.one];
             diagonal[one] += stiffness;
             if let Support::Member(other) = contact.against {
@@ -258,8 +275,10 @@ mod tests {
     fn solved(contacts: &mut [Contact], before: &[DVec2]) -> (Option<usize>, Vec<DVec2>) {
         let order: Vec<usize> = (0..before.len()).collect();
         let mut motions = before.to_vec();
-        let steps = approach_from_outside(&mut motions, &vec![0.5; before.len()], contacts, &order, 1e-8);
-        (steps, motions)
+        let enough = Enough { slower: 1e-8, closing: 0.0, faster: 1e-6, dead: 0.0, most_sweeps: 0 };
+        let masses = vec![0.5; before.len()];
+        let (steps, found) = approach_from_outside(&mut motions, &masses, contacts, &order, enough);
+        (found.then_some(steps), motions)
     }
 
     /// Velocities of all kinds.

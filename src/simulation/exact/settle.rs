@@ -28,8 +28,8 @@ const BESIDE: f64 = 0.25;
 /// Walls of this restitution and less take nearly all of the energy of what chatters on them, however elastic balls are: in as many
 /// hits as are counted, 95 % of it at the least.
 const ABSORBENT: f64 = 0.9;
-/// The most balls of a group. Held ones beyond it count as immovable.
-const LARGEST: usize = 4096;
+/// The most balls of a group that is solved for directly. Held ones beyond it count as immovable.
+pub(super) const LARGEST: usize = 4096;
 /// How fast a ball leaves the wall that it rests on at least, in rest speeds.
 pub(super) const LIFTED: f64 = 1e-3;
 /// Steps of conjugate gradients, over one contact, that are paid for with one event. They take about a hundredth of the
@@ -54,6 +54,8 @@ pub(super) struct Near {
     pub(super) belong: Belong,
     /// By how much farther from each other those may be that both are among many, px.
     pub(super) farther: f64,
+    /// How many there may be.
+    pub(super) most: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,7 +133,7 @@ impl Exact {
             self.end_waits::<N>(now);
         }
         let belong = if stuck { Belong::Slow(SLOW) } else { Belong::UpToCarried(SLOW) };
-        let near = Near { touch: self.touch_distance(), belong, farther: 0.0 };
+        let near = Near { touch: self.touch_distance(), belong, farther: 0.0, most: LARGEST };
         let group = self.gather::<N>(slot, now, near, &[]);
         if !stuck && group.members.iter().any(|member| self.marks[member.slot].has(Marks::GOES_ALONG)) {
             self.credit -= group.members.len() as i64;
@@ -227,8 +229,7 @@ impl Exact {
     /// `taken` in by others, by their slots.
     pub(super) fn gather<N: Needs>(&mut self, slot: usize, now: f64, near: Near, taken: &[bool]) -> Group {
         debug_assert!(!self.matter::<N>(slot).is_fixed());
-        let Near { touch, belong, farther } = near;
-        let most = if taken.is_empty() { LARGEST } else { usize::MAX };
+        let Near { touch, belong, farther, most } = near;
         let (up_to_carried, flurry) = (matches!(belong, Belong::UpToCarried(_)), belong == Belong::Flurry);
         let mut group = Group { absorbs: self.wedged(), ..Group::default() };
         let mut found = std::mem::take(&mut self.found);
