@@ -107,10 +107,10 @@ impl Exact {
         // What is drawn away from what does not move comes nearer to that first, unless it parts from it: without, where that takes
         // energy.
         let drawn = group.contacts.iter().any(|contact| contact.sooner(kicks) > 0.0);
-        for parts in if drawn { &[true, false][..] } else { &[false] } {
+        for parts in [true, false].into_iter().skip(usize::from(!drawn)) {
             for contact in &mut group.contacts {
                 let kept = if matches!(contact.against, Support::Member(_)) { KEPT_APART } else { KEPT_OFF };
-                let sooner = if *parts { contact.sooner(kicks) } else { 0.0 };
+                let sooner = if parts { contact.sooner(kicks) } else { 0.0 };
                 contact.least = sooner - (1.0 - kept) * contact.gap.max(0.0) / left;
             }
             let fastest = (-group.slowest_parting()).max(0.0);
@@ -120,10 +120,7 @@ impl Exact {
             let takes = self.take_approach(group, &before, fastest);
             // False for a NaN.
             if takes && group.energy(&group.velocities) <= group.energy(&before) {
-                let found = std::mem::replace(&mut group.velocities, before);
-                let by_walls = group.by_walls(&found, &group.contacts, 1.0);
-                group.velocities = found;
-                return Some((fastest, by_walls));
+                return Some((fastest, group.by_walls_since(before)));
             }
             group.go_back(&before);
         }

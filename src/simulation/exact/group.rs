@@ -172,6 +172,14 @@ impl Group {
         given - by_those
     }
 
+    /// The momentum that walls gave members that had these velocities before contacts pushed them to those that they have.
+    pub(super) fn by_walls_since(&mut self, before: Vec<DVec2>) -> DVec2 {
+        let found = std::mem::replace(&mut self.velocities, before);
+        let by_walls = self.by_walls(&found, &self.contacts, 1.0);
+        self.velocities = found;
+        by_walls
+    }
+
     /// The mass of all.
     pub(super) fn mass(&self) -> f64 {
         self.inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).sum()

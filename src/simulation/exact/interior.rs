@@ -38,11 +38,14 @@ pub(super) fn approach_from_outside(
         contact.apply(-contact.push, &mut before, inverse_masses);
     }
     let fastest = contacts.iter().map(|contact| -contact.spare(&before)).fold(enough.slower, f64::max);
+    let mut ranks = vec![0; order.len()];
+    order.iter().enumerate().for_each(|(rank, &member)| ranks[member] = rank);
     let problem = Problem {
         masses: inverse_masses.iter().map(|inverse_mass| inverse_mass.recip()).collect(),
         before,
         contacts,
         order,
+        ranks,
     };
     let mut point = problem.begin(fastest);
     for steps in 0..MOST_STEPS {
@@ -72,6 +75,8 @@ struct Problem<'a> {
     before: Vec<DVec2>,
     contacts: &'a [Contact],
     order: &'a [usize],
+    /// The place of each member in that order.
+    ranks: Vec<usize>,
 }
 
 /// How a contact is strained.
@@ -87,6 +92,11 @@ impl Strain {
     /// None in the end.
     fn product(self) -> f64 {
         self.spare * self.push
+    }
+
+    /// How much its members' parting has to change, as a step counts it, for its push to change by all of it.
+    fn yields(self, contact: &Contact) -> f64 {
+        self.spare + self.push * SOFTNESS * contact.give
     }
 
     /// It after this part of a change.
@@ -171,7 +181,7 @@ impl Problem<'_> {
     fn step_by(&self, point: &Point, factors: &Cholesky, falls: &[f64]) -> Point {
         let off = |contact: &Contact, strain: &Strain| contact.spare(&point.motions) - strain.spare;
         let push_by = |contact: &Contact, strain: &Strain, falls: f64, parting_by: f64| {
-            -(falls + strain.push * parting_by) / (strain.spare + strain.push * SOFTNESS * contact.give)
+            -(falls + strain.push * parting_by) / strain.yields(contact)
         };
         let momenta = self.momenta_off(point, |strain, at| {
             let contact = &self.contacts[at];
@@ -189,20 +199,18 @@ impl Problem<'_> {
 
     /// The factors of how momenta change velocities while contacts give way by as much as they are strained: two rows a ball.
     fn factors(&self, point: &Point) -> Cholesky {
-        let mut ranks = vec![0; self.order.len()];
-        self.order.iter().enumerate().for_each(|(rank, &member)| ranks[member] = rank);
         let own = |&member: &usize| DMat2::from_diagonal(DVec2::splat(self.masses[member]));
         let mut diagonal: Vec<DMat2> = self.order.iter().map(own).collect();
         // With which earlier ones each touches.
         let mut earlier: Vec<Vec<(usize, DMat2)>> = vec![Vec::new(); self.order.len()];
-        for (contact, Strain { spare, push }) in self.contacts.iter().zip(&point.strains) {
+        for (contact, strain) in self.contacts.iter().zip(&point.strains) {
             let normal = contact.normal;
             let stiffness = DMat2::from_cols(normal * normal.x, normal * normal.y)
-                * (push / (spare + push * SOFTNESS * contact.give));
-            let one = ranks[contact.one];
+                * (strain.push / strain.yields(contact));
+            let one = self.ranks[contact.one];
             diagonal[one] += stiffness;
             if let Support::Member(other) = contact.against {
-                let other = ranks[other];
+                let other = self.ranks[other];
                 diagonal[other] += stiffness;
                 earlier[one.max(other)].push((one.min(other), stiffness));
             }

@@ -90,9 +90,7 @@ impl Exact {
             let given: f64 = group.contacts.iter().filter(parts).map(given).sum();
             // Comparisons that are false for a NaN.
             if given <= most_given && group.energy(&group.velocities) <= group.energy(&kicked) {
-                let found = std::mem::replace(&mut group.velocities, kicked);
-                let by_walls = group.by_walls(&found, &group.contacts, 1.0);
-                group.velocities = found;
+                let by_walls = group.by_walls_since(kicked);
                 for member in &group.members {
                     self.marks[member.slot].set(Marks::TIGHT, !part);
                 }
