@@ -3,6 +3,8 @@
 
 use glam::DVec2;
 
+use crate::simulation::lesser::greater;
+
 use super::contacts::{Contact, Support};
 
 /// How nearly velocities are found with which contacts part as fast as they are to.
@@ -125,10 +127,10 @@ impl Visit {
             return;
         }
         let begins = self.push + sweep.ahead * (self.push - self.ended);
-        let push = (begins - spare * self.softness).max(0.0);
+        let push = greater(0.0, begins - spare * self.softness);
         // Without jumps, which would be foreseen wrongly half of the time.
         let faster = if push == 0.0 { f64::INFINITY } else { enough.faster };
-        sweep.worst = sweep.worst.max((-self.slack - spare).max(spare - faster));
+        sweep.worst = greater(sweep.worst, greater(-self.slack - spare, spare - faster));
         sweep.along += (begins - push) * (push - self.push);
         (self.ended, self.push) = (self.push, push);
         let given = self.normal * (push - begins);
