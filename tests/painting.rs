@@ -59,6 +59,28 @@ fn difference(a: &Pixmap, b: &Pixmap) -> (f64, u8) {
 }
 
 #[test]
+fn a_disc_of_any_size_covers_what_lies_inside_it_and_nothing_else() {
+    let size = DVec2::new(64.0, 48.0);
+    let filled = |centre: DVec2, radius: f64| {
+        let mut picture = paint::blank(size).unwrap();
+        fill_disc(&mut picture.as_mut(), centre, radius, BALL);
+        picture.pixels().iter().map(|pixel| f64::from(pixel.alpha()) / 255.0).sum::<f64>()
+    };
+    for radius in [1e2, 9.9e3, 1.1e4, 1e6, 1e9, 1e12, 1e30] {
+        assert_eq!(filled(size / 2.0, radius), size.x * size.y, "{radius}");
+        // Half of the picture, as far as f64 has the places between.
+        if radius <= 1e6 {
+            let half = filled(DVec2::new(32.0 - radius, 24.0), radius) / (size.x * size.y);
+            assert!((half - 0.5).abs() < 0.02 + 6.0 / radius, "{radius}: {half}");
+        }
+        assert_eq!(filled(DVec2::new(0.0, -2.0 * radius), radius), 0.0, "{radius}");
+    }
+    for (centre, radius) in [(size, f64::NAN), (DVec2::NAN, 5.0), (size / 2.0, 0.0), (size / 2.0, -5.0)] {
+        assert_eq!(filled(centre, radius), 0.0, "{centre} {radius}");
+    }
+}
+
+#[test]
 fn discs_from_10_px_on_are_those_of_fill_path_to_the_bit() {
     for (count, radii) in [(15, (10.0, 120.0)), (400, (10.0, 10.0)), (400, (10.0, 30.0))] {
         let scene = scene(count, radii, true, count as u64);

@@ -19,6 +19,9 @@ const UNCHANGED: u8 = 0;
 /// The least time that a frame is shown, in hundredths of a second.
 const LEAST_SHOWN: u64 = 2;
 
+/// The longest that an animation may last, s: as a run of the longest frame. What stands so long takes fifty kilobytes.
+const LONGEST: f64 = 1e6;
+
 /// Why an animation was not written.
 #[derive(Debug, Error)]
 pub enum AnimationError {
@@ -30,9 +33,25 @@ pub enum AnimationError {
         /// The height asked for, px.
         height: u32,
     },
+    /// All pictures of an animation are of one size.
+    #[error("a picture of {0}x{1} px does not fit into an animation of {2}x{3} px", given.0, given.1, size.0, size.1)]
+    OtherSize {
+        /// The width and the height of the picture, px.
+        given: (u32, u32),
+        /// Those of the animation, px.
+        size: (u32, u32),
+    },
+    /// A frame is at no time that an animation may have.
+    #[error("a frame at {0} s is not in an animation, which may last from 0 to {LONGEST} s")]
+    NoTime(f64),
     /// It could not be encoded or written.
     #[error(transparent)]
     Encoding(#[from] gif::EncodingError),
+}
+
+/// Refuses what is no time of an animation, s.
+fn check_time(time: f64) -> Result<(), AnimationError> {
+    if (0.0..=LONGEST).contains(&time) { Ok(()) } else { Err(AnimationError::NoTime(time)) }
 }
 
 /// Whether what is seen at the second of these times, s, comes too soon after the first to be a frame of its own.
@@ -48,7 +67,7 @@ fn hundredths(time: f64) -> u64 {
 pub struct Animation<W: Write> {
     encoder: Encoder<W>,
     palette: Palette,
-    width: u16,
+    size: (u32, u32),
     /// The picture as it was painted when all frames so far are shown; empty before the first.
     shown: Vec<Pixel>,
     /// The frame that waits to be told how long it is shown, and when it began, s.
@@ -66,15 +85,20 @@ impl<W: Write> Animation<W> {
         let mut encoder = Encoder::new(writer, side(width)?, side(height)?, &[])?;
         encoder.set_repeat(Repeat::Infinite)?;
         let (palette, shown) = (Palette::default(), Vec::new());
-        Ok(Self { encoder, palette, width: side(width)?, shown, waiting: None })
+        Ok(Self { encoder, palette, size: (width, height), shown, waiting: None })
     }
 
     /// Adds what is seen at `time` seconds, a picture of the animation's size, unless it comes too soon after the frame
     /// before or equals it.
     ///
     /// # Errors
-    /// [`AnimationError::Encoding`] where the frame before cannot be written.
+    /// [`AnimationError`] where the picture is of another size, the time is none, or the frame before cannot be written.
     pub fn add(&mut self, time: f64, pixmap: &Pixmap) -> Result<(), AnimationError> {
+        check_time(time)?;
+        let (given, size) = ((pixmap.width(), pixmap.height()), self.size);
+        if given != size {
+            return Err(AnimationError::OtherSize { given, size });
+        }
         if self.waiting.as_ref().is_some_and(|&(_, since)| is_too_soon(since, time)) {
             return Ok(());
         }
@@ -88,8 +112,9 @@ impl<W: Write> Animation<W> {
     /// Ends the animation at `time` seconds and gives the writer back.
     ///
     /// # Errors
-    /// [`AnimationError::Encoding`] where the last frame cannot be written.
+    /// [`AnimationError`] where the time is none, or the last frame cannot be written.
     pub fn finish(mut self, time: f64) -> Result<W, AnimationError> {
+        check_time(time)?;
         self.write_waiting(time)?;
         Ok(self.encoder.into_inner()?)
     }
@@ -121,7 +146,7 @@ impl<W: Write> Animation<W> {
     /// The smallest frame that turns what is shown into `pixels`, which count as shown from then on; `None` where they
     /// are the same.
     fn difference(&mut self, pixels: &[Pixel]) -> Option<Frame<'static>> {
-        let width = usize::from(self.width);
+        let width = self.size.0 as usize;
         let first = self.shown.is_empty();
         if first {
             // None of these is opaque, so that all pixels of a picture have changed.
@@ -341,6 +366,24 @@ pub(crate) mod tests {
         let ball: u32 =
             seen.iter().filter(|(seen, _)| is_plain(seen, BALL)).map(|(_, delay)| u32::from(*delay)).sum();
         assert_eq!((ball, seen.last().unwrap().1), (720_000, 50));
+    }
+
+    #[test]
+    fn a_picture_of_another_size_and_a_time_that_is_none_are_refused_and_leave_the_animation_as_it_was() {
+        let mut animation = Animation::new(Vec::new(), 8, 6).unwrap();
+        animation.add(0.0, &plain(BALL)).unwrap();
+        for (width, height) in [(4, 6), (8, 5), (8, 7), (1, 1), (6, 8)] {
+            let refused = animation.add(0.1, &Pixmap::new(width, height).unwrap());
+            let words = format!("a picture of {width}x{height} px does not fit into an animation of 8x6 px");
+            assert_eq!(refused.unwrap_err().to_string(), words);
+        }
+        for time in [f64::NAN, f64::INFINITY, -1.0, 1e7] {
+            assert!(matches!(animation.add(time, &plain(CONTACT)), Err(AnimationError::NoTime(_))), "{time}");
+            let other = Animation::new(Vec::new(), 8, 6).unwrap();
+            assert!(matches!(other.finish(time), Err(AnimationError::NoTime(_))), "{time}");
+        }
+        let seen = decode(&animation.finish(0.5).unwrap());
+        assert!(seen.len() == 1 && is_plain(&seen[0].0, BALL) && seen[0].1 == 50);
     }
 
     #[test]

@@ -36,14 +36,8 @@ pub(super) fn place(corner: DVec2, centre: DVec2, radius: f64) -> (f32, f32) {
     (at.x as f32, at.y as f32)
 }
 
-/// Fills an antialiased disc by tiny-skia's own rasteriser; nothing where it lies outside of the picture.
-pub fn fill_disc(pixmap: &mut PixmapMut<'_>, centre: DVec2, radius: f64, colour: Colour) {
-    let size = DVec2::new(f64::from(pixmap.width()), f64::from(pixmap.height()));
-    // Written so that a NaN is outside.
-    let inside = (centre + radius).cmpgt(DVec2::ZERO) & (centre - radius).cmplt(size);
-    if !inside.all() {
-        return;
-    }
+/// Fills an antialiased disc by tiny-skia's own rasteriser.
+pub(super) fn fill_disc(pixmap: &mut PixmapMut<'_>, centre: DVec2, radius: f64, colour: Colour) {
     if let Some(path) = circle(centre, radius) {
         pixmap.fill_path(&path, &colour.paint(), FillRule::Winding, Transform::identity(), None);
     }

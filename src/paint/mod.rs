@@ -27,19 +27,25 @@ use thiserror::Error;
 use tiny_skia::{Paint, Pixmap, PixmapMut};
 
 pub use animation::{Animation, AnimationError};
-pub use circle::fill_disc;
 pub use colours::{BACKGROUND, BALL, CONTACT, Colour, FIXED};
+use disc::Disc;
+use lines::Lines;
 pub use painter::Painter;
+use shapes::Shapes;
+use target::Target;
 
 use crate::simulation::{Ball, Simulation};
 
 /// The most pixels that a picture may have: half a gigabyte.
 const MOST_PIXELS: f64 = (1_u64 << 27) as f64;
 
-/// A picture that is too large to paint.
+/// tiny-skia fills no paths of discs of this radius, px, or more: its numbers do not hold them.
+const LARGEST_PATH: f64 = 1e4;
+
+/// A picture that is too large to paint, or has no size.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "a picture of {width}x{height} px takes too much memory; give a smaller --size, at most {MOST_PIXELS} px in all"
+    "a picture of {width}x{height} px has no pixels or takes too much memory; give another --size, of 1x1 px to {MOST_PIXELS} px in all"
 )]
 pub struct PictureTooLarge {
     /// Its width, px.
@@ -61,7 +67,7 @@ pub fn picture(simulation: &Simulation) -> Result<Pixmap, PictureTooLarge> {
 /// A transparent pixmap of `size` px, rounded up.
 ///
 /// # Errors
-/// [`PictureTooLarge`] where it has more pixels than memory should hold.
+/// [`PictureTooLarge`] where it has more pixels than memory should hold, or none.
 pub fn blank(size: DVec2) -> Result<Pixmap, PictureTooLarge> {
     let size = size.ceil();
     let too_large = PictureTooLarge { width: size.x, height: size.y };
@@ -75,6 +81,22 @@ pub fn blank(size: DVec2) -> Result<Pixmap, PictureTooLarge> {
 /// `scale` is the number of pixels per px of the world. Who paints more than one picture keeps a [`Painter`].
 pub fn paint(simulation: &Simulation, scale: f64, pixmap: &mut PixmapMut<'_>) {
     Painter::default().paint(simulation, scale, pixmap);
+}
+
+/// Fills an antialiased disc, of centre and radius in px; by tiny-skia's own rasteriser, but where it is so large that this would not
+/// do. There is nothing of it outside of the picture, nor where a number is none.
+pub fn fill_disc(pixmap: &mut PixmapMut<'_>, centre: DVec2, radius: f64, colour: Colour) {
+    let disc = Disc { centre, radius, colour };
+    if !disc.is_inside(DVec2::new(pixmap.width().into(), pixmap.height().into())) {
+        return;
+    }
+    if radius < LARGEST_PATH {
+        return circle::fill_disc(pixmap, centre, radius, colour);
+    }
+    let (mut shapes, width) = (Shapes::default(), pixmap.width() as usize);
+    shapes.prepare(&disc);
+    let (pixels, _) = pixmap.data_mut().as_chunks_mut();
+    shapes.paint_one(&disc, &mut Lines::default(), &mut Target::rows(pixels, width, 0));
 }
 
 /// The colour of a ball.

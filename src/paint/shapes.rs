@@ -29,11 +29,16 @@ impl Shapes {
         target.fill(BACKGROUND);
         let mut lines = Lines::default();
         for disc in discs {
-            if disc.is_small() {
-                self.coverage.paint(disc, &mut target);
-            } else {
-                spans::paint(disc, &self.corners, &mut lines, &mut target);
-            }
+            self.paint_one(disc, &mut lines, &mut target);
+        }
+    }
+
+    /// Paints a disc, which has been prepared. `lines` is room to work in.
+    pub(super) fn paint_one(&self, disc: &Disc, lines: &mut Lines, target: &mut Target<'_>) {
+        if disc.is_small() {
+            self.coverage.paint(disc, target);
+        } else {
+            spans::paint(disc, &self.corners, lines, target);
         }
     }
 }
