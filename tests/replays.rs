@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use carom::headless::{self, Course, Run, RunError};
+use carom::session::Replay;
 use carom::{Change, Scene, Session};
 use serde_json::Value;
 
@@ -143,4 +145,36 @@ fn changes_of_a_replay_that_do_nothing_are_told() {
     let three = play("remove 3\nadd-ball 100 100 0 0 -1\ncarry 14 1 2\nplace 99 3 4\n");
     assert!(three.starts_with("carom: 3 changes of the replay"), "{three}");
     assert!(three.ends_with("the first, after frame 1: no room for a ball here\n"), "{three}");
+}
+
+#[test]
+fn a_replay_that_was_played_in_part_runs_from_its_start_and_is_held_against_no_law() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Scene::load("gravity").unwrap();
+    let mut session = Session::new(&scene, 3).unwrap();
+    for _ in 0..10 {
+        session.advance(0.013).unwrap();
+    }
+    let mut replay = Replay::parse(Path::new("a"), &session.replay().unwrap(), &scene).unwrap();
+    let run = |replay: &Replay, name: &str, check: bool| {
+        let trace = folder.path().join(name);
+        let run = Run {
+            course: Course::Replay(Box::new(replay.clone())),
+            inputs: Vec::new(),
+            trace: Some(trace.clone()),
+            every: 1,
+            image: None,
+            gif: None,
+            check,
+            summary: Some(folder.path().join("summary")),
+        };
+        headless::run(&run).map(|summary| (summary, std::fs::read(trace).unwrap()))
+    };
+    let (whole, trace) = run(&replay, "whole", false).unwrap();
+    for _ in 0..4 {
+        replay.advance().unwrap();
+    }
+    let (again, same) = run(&replay, "again", false).unwrap();
+    assert!(trace == same && whole.frames == again.frames);
+    assert!(matches!(run(&replay, "checked", true), Err(RunError::ReplayChecked)));
 }

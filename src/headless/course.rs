@@ -10,7 +10,7 @@ use crate::simulation::{Simulation, Solver};
 pub enum Course {
     /// A scene, by these frames.
     Frames(Box<Scene>, Frames),
-    /// The frames and changes of a session.
+    /// The frames and changes of a session, from its start, however far this has been played.
     Replay(Box<Replay>),
 }
 
@@ -37,7 +37,7 @@ impl<'a> Player<'a> {
             Course::Frames(scene, frames) => {
                 Self::Frames { simulation: Box::new(scene.build()?), rain: scene.rain(), frames }
             }
-            Course::Replay(replay) => Self::Replay(replay.clone()),
+            Course::Replay(replay) => Self::Replay(Box::new(replay.from_start()?)),
         })
     }
 

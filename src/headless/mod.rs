@@ -56,7 +56,8 @@ pub struct Run {
     /// The run as an animated GIF.
     pub gif: Option<PathBuf>,
     /// Whether every frame is held against the laws ([`ledger`](crate::simulation::ledger)), and the first that breaks
-    /// one ends the run. Not for a replay: the laws know nothing of what was done to its balls.
+    /// one ends the run, and leaves the frame before it as a scene file in the current folder. Not for a replay: the laws know
+    /// nothing of what was done to its balls.
     pub check: bool,
     /// The summary as JSON. Without it, a readable one goes to standard output, or to standard error where another
     /// output is there.
@@ -78,6 +79,9 @@ pub enum RunError {
     /// A delta was refused.
     #[error(transparent)]
     Delta(#[from] crate::OutOfRange),
+    /// A replay is to be held against the laws.
+    #[error("a replay cannot be held against the laws, which know nothing of what was done to its balls; run it unchecked")]
+    ReplayChecked,
     /// A frame broke a law.
     #[error(transparent)]
     Broken(#[from] Box<Broken>),
@@ -134,7 +138,8 @@ fn in_words(path: &Path) -> String {
     if output::is_stdout(path) { "standard output".to_owned() } else { path.display().to_string() }
 }
 
-/// Runs a scene and writes what is asked for.
+/// Runs a scene and writes what is asked for: figures to standard output where no file is named for them, and how far it has come
+/// to standard error, where that is a terminal.
 ///
 /// # Errors
 /// [`RunError`]; outputs that could not be completed are not there then.
@@ -147,6 +152,9 @@ fn run_by(
     run: &Run,
     mut advance: impl FnMut(&mut Player<'_>, u64, &mut dyn FnMut()) -> Result<(), crate::OutOfRange>,
 ) -> Result<Summary, RunError> {
+    if run.check && matches!(run.course, Course::Replay(_)) {
+        return Err(RunError::ReplayChecked);
+    }
     let mut player = Player::new(&run.course)?;
     let mut check = run.check.then(|| Check::new(run, player.simulation()));
     let mut outputs = Outputs::create(run, player.simulation())?;

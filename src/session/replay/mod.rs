@@ -162,6 +162,12 @@ impl Replay {
         Ok(Self { start, seed: header.seed, state, entries, at: 0, refused: None })
     }
 
+    /// The same replay before its first frame.
+    pub(crate) fn from_start(&self) -> Result<Self, SceneError> {
+        let state = State::new(&self.start.scene, self.seed)?;
+        Ok(Self { state, at: 0, refused: None, ..self.clone() })
+    }
+
     /// The scene that is played, as the replay wants it.
     #[must_use]
     pub fn scene(&self) -> &Scene {
