@@ -18,16 +18,24 @@ impl Session {
 
     /// Does what a command says. Of what may take long, [`StepToImpact`](Command::StepToImpact) and
     /// [`Back`](Command::Back), only as much as `go_on` lets it; [`work_while`](Self::work_while) goes on with it, and
-    /// so does the next command.
+    /// so does the next command, to its end, before it is done itself.
     ///
     /// # Errors
-    /// [`CommandError`] where it cannot be done, or only in part; the message is for people.
+    /// [`CommandError`] where it cannot be done, or only in part, or else where the work before it came to nothing; the message
+    /// is for people.
     pub fn apply_while(
         &mut self,
         command: Command,
         mut go_on: impl FnMut() -> bool,
     ) -> Result<(), CommandError> {
-        self.work_on(&mut || true)?;
+        let before = self.work_on(&mut || true);
+        self.take(command)?;
+        self.work_on(&mut go_on)?;
+        before
+    }
+
+    /// Does what a command says, or begins with it.
+    fn take(&mut self, command: Command) -> Result<(), CommandError> {
         match command {
             Command::TogglePause => {
                 self.paused = !self.paused;
@@ -51,11 +59,13 @@ impl Session {
             Command::ToggleComparison => self.change(Change::Compare(self.state.truth.is_none()))?,
             Command::Change(change) => self.change(change)?,
         }
-        self.work_on(&mut go_on)
+        Ok(())
     }
 
-    /// Does what a change says, and notes it on the tape, whether it can be done or not.
+    /// Does what a change says, and notes it on the tape, whether it can be done or not: but for numbers that are none, which no
+    /// replay holds.
     pub(super) fn change(&mut self, change: Change) -> Result<(), CommandError> {
+        change.check()?;
         let done = self.state.apply(change);
         let entry = Entry::Change(Box::new(change));
         self.tape.add(Taken { entry, done: 0.0 }, 0.0, &self.state);

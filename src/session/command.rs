@@ -3,7 +3,9 @@
 use glam::DVec2;
 use thiserror::Error;
 
+use crate::OutOfRange;
 use crate::scene::SceneError;
+use crate::simulation::limits::{COORDINATE, GRAVITY, Quantity, RADIUS, SIZE, VELOCITY};
 use crate::simulation::{BuildError, Solver};
 
 /// Something to do.
@@ -46,7 +48,8 @@ pub enum Change {
     Reseed(u64),
     /// Add this many random balls, as far as there is room.
     AddRandom(usize),
-    /// Add a ball here; smaller where there is less room.
+    /// Add a ball here, smaller where there is less room, but no smaller than 2 px, or than it is to be if that is less: of the
+    /// density and restitution of the last ball that is not fixed.
     AddBall {
         /// Its centre, px.
         position: DVec2,
@@ -83,6 +86,33 @@ pub enum Change {
     Resize(DVec2),
     /// Compare with the exact solver from now on, or do so no longer.
     Compare(bool),
+}
+
+impl Change {
+    /// Checks that all its numbers are finite.
+    pub(super) fn check(&self) -> Result<(), OutOfRange> {
+        let finite = |quantity: &'static Quantity, numbers: DVec2| {
+            if numbers.is_finite() { Ok(()) } else { quantity.check_vector(numbers).map(drop) }
+        };
+        match *self {
+            Self::AddBall { position, velocity, radius } => {
+                finite(&COORDINATE, position)?;
+                finite(&VELOCITY, velocity)?;
+                finite(&RADIUS, DVec2::splat(radius))
+            }
+            Self::Carry { to: place, .. } | Self::Place { at: place, .. } => finite(&COORDINATE, place),
+            Self::TiltGravity(by) => finite(&GRAVITY, by),
+            Self::Resize(size) => finite(&SIZE, size),
+            Self::Reset
+            | Self::Reseed(_)
+            | Self::AddRandom(_)
+            | Self::RemoveLast
+            | Self::Remove(_)
+            | Self::Solver(_)
+            | Self::ToggleGravity
+            | Self::Compare(_) => Ok(()),
+        }
+    }
 }
 
 impl From<Change> for Command {
@@ -143,7 +173,7 @@ pub enum CommandError {
     Build(#[from] BuildError),
     /// A number is out of range.
     #[error(transparent)]
-    OutOfRange(#[from] crate::OutOfRange),
+    OutOfRange(#[from] OutOfRange),
 }
 
 #[cfg(test)]

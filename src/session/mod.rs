@@ -293,7 +293,7 @@ impl Session {
     }
 
     /// The radius of the ball that a click at `position` would add, px: `radius`, or what fits between walls and other
-    /// balls. `None` where not even a small one does.
+    /// balls. `None` where not even one of 2 px does, or what is asked for is no number.
     #[must_use]
     pub fn room_at(&self, position: DVec2, radius: f64) -> Option<f64> {
         self.state.room_at(position, radius)

@@ -11,8 +11,8 @@ use crate::simulation::invariants;
 use crate::simulation::limits::{COORDINATE, GRAVITY, MAX_BALLS, VELOCITY};
 use crate::simulation::{Ball, BuildError, Simulation, Solver};
 
-/// The smallest radius that a click makes do with, px.
-const LEAST_CLICK_RADIUS: f64 = 2.0;
+/// The smallest radius that whoever wants a larger ball makes do with, px.
+const LEAST_FITTED: f64 = 2.0;
 /// What G switches on where the scene has no gravity of its own, px/s².
 const EARTH: DVec2 = DVec2::new(0.0, 980.0);
 /// Gravity that was tilted is a multiple of one part in so many of 1 px/s².
@@ -89,7 +89,7 @@ impl State {
             truth: None,
             rain: scene.rain(),
             size: world.size(),
-            gravity: world.gravity().unwrap_or(EARTH),
+            gravity: remembered(&simulation),
             start: Arc::new(Start { scene: scene.clone(), simulation: simulation.clone() }),
             simulation,
             fresh: true,
@@ -193,6 +193,7 @@ impl State {
         }
         self.rain = self.scene().rain();
         self.simulation.resize(self.size)?;
+        self.gravity = remembered(&self.simulation);
         self.fresh = true;
         self.given = energy(&self.simulation);
         if self.truth.is_some() {
@@ -255,9 +256,12 @@ impl State {
         Ok(())
     }
 
-    /// The radius, at most `radius`, of a ball that fits at `position` between walls and other balls, px.
-    pub(super) fn room_at(&self, position: DVec2, radius: f64) -> Option<f64> {
-        let (world, mut radius) = (self.simulation.world(), radius);
+    /// The radius, at most `wished`, of a ball that fits at `position` between walls and other balls, px.
+    pub(super) fn room_at(&self, position: DVec2, wished: f64) -> Option<f64> {
+        if !(position.is_finite() && wished.is_finite()) {
+            return None;
+        }
+        let (world, mut radius) = (self.simulation.world(), wished);
         if world.walls().is_some() {
             radius = radius.min(position.min(world.size() - position).min_element());
         }
@@ -265,7 +269,7 @@ impl State {
             let gap = |ball: &Ball| ball.position().distance(position) - ball.radius();
             radius = self.simulation.balls().iter().map(gap).fold(radius, f64::min);
         }
-        (radius >= LEAST_CLICK_RADIUS).then_some(radius)
+        (radius >= LEAST_FITTED.min(wished)).then_some(radius)
     }
 
     /// Gives a ball the velocity that brings it to where the hand is.
@@ -351,6 +355,11 @@ impl State {
     pub(super) fn solver(&self) -> Solver {
         self.simulation.solver()
     }
+}
+
+/// The gravity that G brings back after it was taken away at the beginning.
+fn remembered(simulation: &Simulation) -> DVec2 {
+    simulation.world().gravity().unwrap_or(EARTH)
 }
 
 /// Kinetic and potential energy, mass·px²/s².

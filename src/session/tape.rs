@@ -147,7 +147,8 @@ impl Tape {
 
     /// Simulated seconds from the present to the end of the tape.
     pub(super) fn left(&self) -> f64 {
-        self.entries.range(self.at - self.first..).map(|taken| taken.done).sum()
+        // The sum of nothing is -0, which would be shown.
+        self.entries.range(self.at - self.first..).fold(0.0, |left, taken| left + taken.done)
     }
 
     /// Adds what has happened in the present, and led to `state`; what came after it before is forgotten. `watched` are

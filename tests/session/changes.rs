@@ -49,6 +49,58 @@ fn hundreds_of_times_a_hundred_balls_are_as_many_as_find_room_and_time_goes_on()
     assert_eq!(balls(&session).len(), 15);
 }
 
+#[test]
+fn numbers_that_are_none_are_refused_and_are_in_no_replay() {
+    let mut session = session("gravity", Solver::Exact);
+    let before = session.replay();
+    let none = [f64::NAN, f64::INFINITY, -f64::INFINITY].map(|number| DVec2::new(number, 5.0));
+    let (at, velocity) = (DVec2::new(640.0, 360.0), DVec2::ZERO);
+    let changes = none.into_iter().flat_map(|none| {
+        [
+            Change::AddBall { position: none, velocity, radius: 5.0 },
+            Change::AddBall { position: at, velocity: none, radius: 5.0 },
+            Change::AddBall { position: at, velocity, radius: none.x },
+            Change::Carry { ball: 0, to: none },
+            Change::Place { ball: 0, at: none },
+            Change::TiltGravity(none),
+            Change::Resize(none),
+        ]
+    });
+    for change in changes {
+        let refused = session.apply(change.into());
+        assert!(matches!(refused, Err(CommandError::OutOfRange(_))), "{change:?}: {refused:?}");
+    }
+    assert!(session.resize(DVec2::NAN).is_err());
+    assert_eq!(session.replay(), before);
+}
+
+#[test]
+fn a_ball_that_is_to_be_small_is_as_small_and_a_large_one_makes_do_with_2_px_where_there_is_no_more_room() {
+    let mut session = session("draw", Solver::Exact);
+    let mut add = |x: f64, radius: f64| {
+        let position = DVec2::new(x, 700.0);
+        session.apply(Change::AddBall { position, velocity: DVec2::ZERO, radius }.into())?;
+        Ok::<f64, CommandError>(balls(&session).last().unwrap().radius())
+    };
+    assert_eq!(add(100.0, 1.0).unwrap(), 1.0);
+    assert_eq!(add(200.0, 30.0).unwrap(), 30.0);
+}
+
+#[test]
+fn a_reset_forgets_the_gravity_that_was_switched_off() {
+    for (scene, gravity) in [("elastic", 980.0), ("gravity", 980.0)] {
+        let mut session = session(scene, Solver::Exact);
+        session.apply(Change::TiltGravity(DVec2::new(196.0, 0.0)).into()).unwrap();
+        session.apply(Change::ToggleGravity.into()).unwrap();
+        session.apply(Change::Reset.into()).unwrap();
+        if session.simulation().world().gravity().is_some() {
+            session.apply(Change::ToggleGravity.into()).unwrap();
+        }
+        session.apply(Change::ToggleGravity.into()).unwrap();
+        assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(0.0, gravity)), "{scene}");
+    }
+}
+
 fn change() -> impl Strategy<Value = Change> {
     let place = || (-100.0..1400.0, -100.0..900.0).prop_map(|(x, y)| DVec2::new(x, y));
     let velocity = || (-3e3..3e3, -3e3..3e3).prop_map(|(x, y)| DVec2::new(x, y));

@@ -1,7 +1,7 @@
 //! Steps to the next impact.
 
-use carom::Solver;
-use carom::session::{Command, STEP, Working};
+use carom::session::{Command, CommandError, STEP, Session, Working};
+use carom::{Change, Scene, Solver};
 
 use super::{balls, session};
 
@@ -53,4 +53,21 @@ fn a_step_to_the_next_impact_that_is_looked_for_bit_by_bit_is_the_same_step() {
     session.apply_while(Command::StepToImpact, || false).unwrap();
     session.apply(Command::Slower).unwrap();
     assert!(session.working().is_none() && session.is_moving());
+}
+
+#[test]
+fn a_search_for_an_impact_that_ends_in_vain_leaves_the_command_after_it_to_be_done() {
+    let still = "size = [100, 100]\n[walls]\n[[ball]]\nposition = [50, 50]\nradius = 5\n";
+    let mut session = Session::new(&Scene::parse("still.toml", still).unwrap(), 1).unwrap();
+    session.advance(0.0).unwrap();
+    session.apply(Command::TogglePause).unwrap();
+    session.apply_while(Command::StepToImpact, || false).unwrap();
+    let told = session.apply(Change::ToggleGravity.into());
+    assert!(matches!(told, Err(CommandError::NoImpact(_))), "{told:?}");
+    assert!(session.simulation().world().gravity().is_some());
+    // Of two that come to nothing, the one that was asked for last.
+    session.apply(Change::ToggleGravity.into()).unwrap();
+    session.apply_while(Command::StepToImpact, || false).unwrap();
+    let told = session.apply(Change::Remove(7).into());
+    assert!(matches!(told, Err(CommandError::NoBall(7))), "{told:?}");
 }
