@@ -40,7 +40,7 @@ pub(super) fn parse(origin: &str, source: &str) -> Result<Scene, Fault> {
 }
 
 /// The most characters of a scene's description.
-const LONGEST_ABOUT: usize = 1000;
+pub(super) const LONGEST_ABOUT: usize = 1000;
 /// The most fills of a scene: each looks at all balls before it.
 const MOST_FILLS: usize = 1000;
 

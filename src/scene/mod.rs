@@ -208,13 +208,15 @@ impl Scene {
         Path::new(&self.origin).file_stem().and_then(|stem| stem.to_str()).unwrap_or(&self.origin)
     }
 
-    /// What [`load`](Self::load) finds this scene by: a built-in scene's name, or the file's path.
+    /// What [`load`](Self::load) finds this scene by: a built-in scene's name, or the file's path; or what whoever
+    /// [parsed](Self::parse) its text called it.
     #[must_use]
     pub fn argument(&self) -> &str {
         &self.origin
     }
 
-    /// The file that it was loaded from; [`None`] where it is built in.
+    /// The file that it was loaded from, or what whoever [parsed](Self::parse) its text called that; [`None`] where that is the
+    /// name of a built-in scene.
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
         catalogue::find(&self.origin).is_none().then(|| Path::new(&self.origin))

@@ -4,6 +4,7 @@ use std::fmt;
 
 use glam::DVec2;
 
+use super::file::LONGEST_ABOUT;
 use super::fill::{Fill, Material};
 use super::rain::Rain;
 use crate::simulation::limits::{COORDINATE, Quantity, VELOCITY};
@@ -22,11 +23,11 @@ use crate::simulation::{Ball, Pairs, Simulation, World};
 /// A ball takes 256 bytes at most, so a file of half a million balls is never longer than one that is read; ten million
 /// may be.
 ///
-/// Three things are written other than they are, so that the file can be read. Coordinates and velocities that a run
+/// Four things are written other than they are, so that the file can be read. Coordinates and velocities that a run
 /// has taken [beyond their limits](crate::simulation::limits) become the nearest that a file may hold, which a comment
 /// at the top of the file counts. Where the world was made too small for the rain's region, the region is cut to it,
 /// and where that leaves no room for its balls, the rain is left out, which a comment says. The velocity −0 of a fixed
-/// ball is 0.
+/// ball is 0. Of `about` the first thousand characters are written.
 ///
 /// ```
 /// use carom::{Scene, scene};
@@ -61,7 +62,8 @@ impl fmt::Display for File<'_> {
             )?;
         }
         if !self.about.is_empty() {
-            writeln!(f, "about = {}", Quoted(self.about))?;
+            let end = self.about.char_indices().nth(LONGEST_ABOUT).map_or(self.about.len(), |(end, _)| end);
+            writeln!(f, "about = {}", Quoted(&self.about[..end]))?;
         }
         writeln!(f, "solver = {}", Quoted(self.simulation.solver().name()))?;
         write_world(f, world)?;
