@@ -37,7 +37,7 @@ impl<'a> Player<'a> {
             Course::Frames(scene, frames) => {
                 Self::Frames { simulation: Box::new(scene.build()?), rain: scene.rain(), frames }
             }
-            Course::Replay(replay) => Self::Replay(Box::new(replay.from_start()?)),
+            Course::Replay(replay) => Self::Replay(Box::new(replay.rewound()?)),
         })
     }
 

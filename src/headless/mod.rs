@@ -80,7 +80,9 @@ pub enum RunError {
     #[error(transparent)]
     Delta(#[from] crate::OutOfRange),
     /// A replay is to be held against the laws.
-    #[error("a replay cannot be held against the laws, which know nothing of what was done to its balls; run it unchecked")]
+    #[error(
+        "a replay cannot be held against the laws, which know nothing of what was done to its balls; run it unchecked"
+    )]
     ReplayChecked,
     /// A frame broke a law.
     #[error(transparent)]

@@ -33,6 +33,8 @@ const APART: f64 = 1e-9;
 /// ... and are moved apart by this part more: few sweeps do then, and what flies has room, or a heap would have impacts without
 /// end.
 const FARTHER: f64 = 1e-2;
+/// ... but by no more than so many times what they overlap by: what hardly does is not seen to move.
+const FARTHER_AT_MOST: f64 = 4.0;
 /// More than this part of the world is not filled without overlaps: balls of one size fill 0.84 of it at random.
 const FULLEST: f64 = 0.84;
 /// Up to this part of the world filled, balls that are brought in part from the others, wherever they come to.
@@ -148,7 +150,8 @@ fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share
     let (moved, along) = if balls[behind].is_fixed() { (near, -straight) } else { (behind, straight) };
     let inward = (0.5 * world.size - balls[moved].position).dot(along.perp());
     let way = (straight + straight.perp() * aside.copysign(inward)).normalize();
-    let mut left = reach - distance + FARTHER * reach;
+    let depth = reach - distance;
+    let mut left = depth + (FARTHER * reach).min(FARTHER_AT_MOST * depth);
     for (index, way, share) in [(behind, way, share), (near, -way, 1.0), (behind, way, 1.0)] {
         let ball = &mut balls[index];
         if !ball.is_fixed() && left > 0.0 {

@@ -1,6 +1,7 @@
 //! The laws that `contact` keeps: each on the smallest case that shows it. Here is what they are shown on.
 
 mod crushes;
+mod edits;
 mod frames;
 mod gases;
 mod heaps;

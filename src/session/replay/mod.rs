@@ -163,7 +163,7 @@ impl Replay {
     }
 
     /// The same replay before its first frame.
-    pub(crate) fn from_start(&self) -> Result<Self, SceneError> {
+    pub(crate) fn rewound(&self) -> Result<Self, SceneError> {
         let state = State::new(&self.start.scene, self.seed)?;
         Ok(Self { state, at: 0, refused: None, ..self.clone() })
     }

@@ -1,17 +1,12 @@
-//! How frames ask for substeps: as many as their time holds, what is shown at their end, and what is changed from outside.
+//! How frames ask for substeps: as many as their time holds, and what is shown at their end.
 
 use super::super::ball::Ball;
 use super::super::clock::Clock;
 use super::super::world::World;
 use super::super::{Advance, Frame, Part};
-use super::body::Body;
+use super::Contact;
 use super::layout::Layout;
-use super::show::Start;
-use super::sleep::Rest;
 use super::team::Team;
-use super::unlike::Crush;
-use super::wall_support::any_jams;
-use super::{Contact, can_rest, has_pairs};
 
 impl Advance for Contact {
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64 {
@@ -72,53 +67,11 @@ impl Advance for Contact {
     }
 
     fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
-        let tuning = self.tuning;
-        let Some(substeps) = self.substeps.with(world, balls, tuning) else { return false };
-        if has_pairs(world, balls) != self.pairs
-            || can_rest(world, balls) != self.setting.can_rest
-            || self.shown.is_some()
-            || self.any_sleeps_in(&balls[self.bodies.len()..])
-        {
-            return false;
-        }
-        self.substeps = substeps;
-        self.setting.firm = substeps.firm(self.setting.kick);
-        self.setting.crush = Crush::among(balls);
-        self.setting.softness = substeps.softness(self.setting.crush);
-        self.setting.has_fixed = balls.iter().any(Ball::is_fixed);
-        self.setting.jammed = any_jams(world, balls);
-        let known = self.bodies.len();
-        for (id, ball) in (known as u32..).zip(&balls[known..]) {
-            let body = Body::new(ball, self.setting.kick);
-            self.bodies.push(body);
-            self.rests.push(Rest::new(&body));
-            self.restitutions.push(ball.restitution);
-            self.ids.push(id);
-            self.hit.push(false);
-            if !self.before.is_empty() {
-                self.before.push(Start::of(ball));
-            }
-        }
-        self.parting.begin_again(known as u32);
-        self.all_asleep = false;
-        true
+        self.take_up(world, balls)
     }
 
     fn set_velocity(&mut self, _: &World, balls: &[Ball], index: usize) -> bool {
-        let ball = &balls[index];
-        if ball.is_fixed() {
-            // Nothing moves it.
-            return true;
-        }
-        let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
-        self.free_by_hand(at);
-        let body = &mut self.bodies[at];
-        body.velocity = ball.velocity - 0.5 * self.setting.kick;
-        body.free = body.velocity;
-        if let Some(start) = self.before.get_mut(at) {
-            start.velocity = ball.velocity;
-        }
-        true
+        self.throw(balls, index)
     }
 
     fn substeps(&self) -> Option<[u32; 2]> {

@@ -36,6 +36,14 @@ impl Body {
         }
     }
 
+    /// Lets it be here, and this fast, where a substep is about to begin, held by nothing.
+    pub(super) fn go(&mut self, position: DVec2, velocity: DVec2, kick: DVec2) {
+        self.position = position;
+        // Half a substep before.
+        self.velocity = velocity - 0.5 * kick;
+        self.free = self.velocity;
+    }
+
     /// Where it is at the end of a substep.
     #[inline]
     pub(super) fn end(&self, substep: f64) -> DVec2 {

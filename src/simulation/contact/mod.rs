@@ -39,6 +39,7 @@ mod common;
 mod constraints;
 mod cover;
 mod demands;
+mod edits;
 mod ending;
 mod energy;
 mod events;

@@ -35,6 +35,11 @@ pub(super) struct Start {
 }
 
 impl Start {
+    /// That of one that was here, and this fast, and flies at this mean velocity.
+    pub(super) fn going(position: DVec2, velocity: DVec2, mean: DVec2) -> Self {
+        Self { position, velocity, way: mean }
+    }
+
     /// That of a ball which was not there when the substep began.
     pub(super) fn of(ball: &Ball) -> Self {
         Self { position: ball.position, velocity: ball.velocity, way: ball.velocity }
@@ -135,7 +140,7 @@ impl Contact {
     }
 
     /// Whether nothing but gravity and impacts moved a body in the substep that is over.
-    fn flies(&self, at: usize) -> bool {
+    pub(super) fn flies(&self, at: usize) -> bool {
         let body = &self.bodies[at];
         body.inverse_mass > 0.0 && body.is_free() && self.held.get(at).is_none_or(|held| !held.any())
     }

@@ -13,14 +13,14 @@
 use super::ball::Ball;
 use super::contact::{Contact, can_rest, is_few, most_substeps};
 use super::exact::{Exact, Pace};
+use super::flight::DEEP;
 use super::grid::Grid;
 use super::invariants::{free, max_overlap};
 use super::separate::take_apart;
 use super::solver::{Advance, Frame, Part, Tuning};
 use super::world::{Pairs, World};
 
-/// Balls that overlap by more than this part of a radius at the beginning are moved apart before, or are left to substeps
-/// where there is no room.
+/// Balls that fall, and overlap by more than this part of a radius at the beginning, are left to substeps.
 const TOUCH: f64 = 1e-9;
 
 /// Where more pairs overlap than one in so many balls, and these, balls that can rest are no gas but a heap: there is hardly room
@@ -78,7 +78,7 @@ impl Hybrid {
         true
     }
 
-    /// Goes over from events to substeps, or back, if it is time; whether it did.
+    /// Goes over from events to substeps, or back, if it is time; whether it was.
     fn go_over(&mut self, frame: &Frame<'_>) -> bool {
         let Frame { world, balls, .. } = frame;
         match &mut self.way {
@@ -119,15 +119,16 @@ fn events(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Option
 fn without_gravity(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Option<Exact> {
     let mut apart = Vec::new();
     let mut balls = balls;
-    if overlap(world, balls) > TOUCH {
+    if overlap(world, balls) > DEEP {
         if can_rest(world, balls) && are_heaped(world, balls) {
             return None;
         }
-        // Nothing else would: there is nothing that presses them apart, and what parts takes its energy from nowhere.
+        // Nothing else would: there is nothing that presses them apart, and what parts takes its energy from nowhere. Events do so
+        // from here on, of the distance at which balls touch: never of those that overlap by less than this part of a radius.
         apart.extend_from_slice(balls);
         take_apart(world, &mut apart);
         balls = &apart;
-        if overlap(world, balls) > TOUCH {
+        if overlap(world, balls) > DEEP {
             return None;
         }
     }

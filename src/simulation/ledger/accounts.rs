@@ -3,12 +3,13 @@
 use glam::DVec2;
 
 use crate::simulation::ball::Ball;
+use crate::simulation::flight::DEEP;
 use crate::simulation::grid::Grid;
 use crate::simulation::invariants::{beyond_edges, energy, free, momentum};
 use crate::simulation::world::{Pairs, World};
 use crate::simulation::{Simulation, Solver, Tally};
 
-use super::measures::{TOUCH, deepest_overlap, energy_scale, is_whole, momentum_scale, wall_tolerance};
+use super::measures::{deepest_overlap, energy_scale, is_whole, momentum_scale, wall_tolerance};
 
 /// The most of the world that the squares round the balls may cover together, and of its shorter side that one of them
 /// may, for balls to get out of each other's way: others may be jammed, and a jam takes energy and leans on the walls.
@@ -81,7 +82,7 @@ impl Base {
         let widest = balls.iter().map(|ball| 2.0 * ball.radius).fold(0.0, f64::max);
         let roomy = covered < ROOMY * world.size.x * world.size.y
             && widest < ROOMY * world.size.min_element()
-            && (overlap.is_none_or(|(_, depth)| depth <= TOUCH) || world.pairs != Some(Pairs::Impulse));
+            && (overlap.is_none_or(|(_, depth)| depth <= DEEP) || world.pairs != Some(Pairs::Impulse));
         let elastic = balls.iter().all(|ball| ball.restitution == 1.0)
             && world.walls.is_none_or(|restitution| restitution == 1.0)
             && world.gravity.is_none();

@@ -12,6 +12,7 @@ use glam::DVec2;
 
 use super::ball::Ball;
 use super::exact::counted_rest_speed;
+use super::flight::DEEP;
 use super::grid::Grid;
 use super::invariants::{self, beyond_edges, free, is_finite, momentum};
 use super::world::Pairs;
@@ -208,9 +209,10 @@ impl Ledger {
         Ok(energy)
     }
 
-    /// Whether balls overlap, which `exact` parts with energy from nowhere.
+    /// Whether balls overlap by as much as `exact` parts with energy from nowhere: it does so by the distance at which they touch,
+    /// which is twice the smaller radius at least.
     fn parts_overlaps(&self, simulation: &Simulation) -> bool {
-        self.base.overlap > TOUCH && simulation.world.pairs == Some(Pairs::Impulse)
+        self.base.overlap > DEEP && simulation.world.pairs == Some(Pairs::Impulse)
     }
 
     /// Whether a ball moves farther than its radius in a substep of `contact`, or did a frame ago.
@@ -240,7 +242,7 @@ impl Ledger {
             Solver::Exact => world.walls.is_none() || (world.gravity.is_none() && base.roomy),
             Solver::Contact => {
                 let loses_time = self.before.fast && world.gravity.is_some();
-                world.walls.is_none() && base.overlap <= TOUCH && !loses_time
+                world.walls.is_none() && base.overlap <= DEEP && !loses_time
             }
         };
         if base.fixed || !all_told {
