@@ -134,6 +134,27 @@ fn a_recording_is_a_gif_of_what_moved_and_overwrites_nothing() {
 
 #[test]
 #[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_recording_that_is_asked_for_while_the_last_is_being_written_begins_after_that() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic"]);
+    window.key("v");
+    (0..10).for_each(|_| assert!(window.moves()));
+    // At once, as one who films take after take.
+    window.key("v");
+    window.key("v");
+    let saved = |window: &Window<'_>, number: u32| {
+        window.folder.path().join(format!("carom-elastic-{number}.gif")).exists()
+    };
+    window.wait("the first", |window| saved(window, 1));
+    sleep(Duration::from_millis(300));
+    assert!(window.moves());
+    window.key("Escape");
+    window.wait("the second", |window| saved(window, 2));
+    assert!(window.runs());
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
 fn the_list_of_scenes_is_recorded_where_it_is_open_and_the_dot_tells_so() {
     let display = Display::start();
     let mut window = display.open(&["elastic", "--paused"]);

@@ -126,7 +126,7 @@ impl App {
         } else if self.help {
             self.help = false;
             self.request_redraw();
-        } else if self.recorder.as_ref().is_some_and(Recorder::is_recording) {
+        } else if self.records_next || self.recorder.as_ref().is_some_and(Recorder::is_recording) {
             self.toggle_recording();
         } else {
             // What the key was to stop may just have ended.
@@ -180,7 +180,7 @@ impl App {
 
     /// Shows all scenes; time stands still meanwhile.
     pub(super) fn open_browser(&mut self) {
-        let mut browser = Browser::open(&self.session);
+        let mut browser = Browser::open(&self.session, self.own.as_ref());
         if let Some(room) = self.room() {
             // What comes before the first picture of the list is for it all the same.
             browser.lay_out(room);
@@ -289,6 +289,9 @@ impl App {
             Ok(()) => {
                 self.hands.let_go();
                 self.stop_clock();
+                if scene.file().is_some() {
+                    self.own = Some(scene.clone());
+                }
                 self.watch = watch(scene, &self.options);
                 self.say(words::scene(&self.session));
             }
@@ -306,6 +309,7 @@ impl App {
                 Ok(()) => {
                     self.hands.let_go();
                     self.stop_clock();
+                    self.own = Some(scene);
                     if let Some(browser) = &mut self.browser {
                         browser.renew(&self.session);
                     }
@@ -414,7 +418,9 @@ impl App {
         }
         let radius = self.hands.turn(notches);
         self.pointed = Some(Instant::now());
-        self.say(format!("next ball: radius {radius:.0} px"));
+        // A notch is less than a pixel of small ones.
+        let digits = usize::from(radius < 10.0);
+        self.say(format!("next ball: radius {radius:.digits$} px"));
     }
 }
 

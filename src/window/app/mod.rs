@@ -97,9 +97,13 @@ pub(super) struct App {
     /// Until when it is shown where gravity pulls.
     gravity_until: Option<Instant>,
     messages: Messages,
+    /// The last scene of the user's own that was played: the list of scenes has it, whatever is played now.
+    own: Option<Scene>,
     /// What tells that the scene file was saved, where that is asked for.
     watch: Option<Watch>,
     recorder: Option<Recorder>,
+    /// Whether another recording is to begin once the last one is written.
+    records_next: bool,
     recording_since: Instant,
     /// When to look what became of the recording.
     recorder_looks: Option<Instant>,
@@ -265,8 +269,10 @@ impl App {
             split: [Duration::ZERO; 3],
             gravity_until: None,
             messages: Messages::new(options.quiet, Instant::now()),
+            own: scene.file().map(|_| scene.clone()),
             watch: input::watch(scene, options),
             recorder: None,
+            records_next: false,
             recording_since: Instant::now(),
             recorder_looks: None,
             recorder_again: None,

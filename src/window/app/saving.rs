@@ -74,7 +74,15 @@ impl App {
         let now = Instant::now();
         match &mut self.recorder {
             Some(recorder) if recorder.is_recording() => recorder.stop(now),
-            Some(_) => self.complain("the last recording is still being written".to_owned()),
+            Some(_) => {
+                self.records_next = !self.records_next;
+                let next = if self.records_next {
+                    "the next begins once the last is written"
+                } else {
+                    "no other one"
+                };
+                self.say(format!("recording: {next}"));
+            }
             None => {
                 let Some(picture) = self.picture(now) else { return };
                 match Recorder::start(Path::new(""), self.session.name(), picture.as_ref(), now) {
@@ -111,8 +119,14 @@ impl App {
         match outcome {
             None => return,
             Some(Ok(recorded)) => self.announce(recorded.to_string()),
-            Some(Err(error)) => self.complain(format!("no recording saved: {error}")),
+            Some(Err(error)) => {
+                self.complain(format!("no recording saved: {error}"));
+                self.records_next = false;
+            }
         }
         self.recorder = None;
+        if std::mem::take(&mut self.records_next) {
+            self.toggle_recording();
+        }
     }
 }

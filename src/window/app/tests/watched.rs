@@ -1,5 +1,6 @@
 //! Scene files that are watched.
 
+use super::super::super::overlay::Direction;
 use super::*;
 
 /// The text of a scene of so many balls.
@@ -52,6 +53,26 @@ fn a_built_in_scene_ends_the_watch_however_it_is_chosen() {
         hold(&mut app, Action::Do(command), false);
         assert!(app.watch.is_none(), "{command:?}");
     }
+}
+
+#[test]
+fn a_file_that_was_played_stays_in_the_list_of_scenes_and_is_watched_again_from_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    let mut app = watching(&path);
+    // As it was loaded last.
+    std::fs::write(&path, text(2)).unwrap();
+    look(&mut app);
+    hold(&mut app, Action::Do(Command::NextScene), false);
+    open_list(&mut app);
+    let browser = app.browser.as_mut().unwrap();
+    (0..20).for_each(|_| browser.step(Direction::Left));
+    assert_eq!(browser.selected().unwrap().name(), "mine");
+    app.open_selected();
+    assert_eq!((count(&app), app.session.name()), (2, "mine"));
+    std::fs::write(&path, text(3)).unwrap();
+    look(&mut app);
+    assert_eq!(count(&app), 3);
 }
 
 #[test]

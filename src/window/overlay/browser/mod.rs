@@ -60,16 +60,18 @@ pub(in crate::window) struct Browser {
 }
 
 impl Browser {
-    /// The built-in scenes, and before them that which is played, where it is another.
+    /// The built-in scenes, and before them that which is played, where it is another, or else the user's `own`, if there is one.
     ///
     /// The card of what is played shows it as it is now: a scene of the user's own may take seconds to build once more.
     /// They have no places yet: see [`Browser::lay_out`].
-    pub(in crate::window) fn open(session: &Session) -> Self {
+    pub(in crate::window) fn open(session: &Session, own: Option<&Scene>) -> Self {
         let played = session.scene();
         let mut scenes: Vec<Scene> =
             scene::names().iter().filter_map(|name| Scene::load(name).ok()).collect();
         let same = |scene: &Scene| scene.argument() == played.argument();
-        if !scenes.iter().any(same) {
+        if scenes.iter().any(same) {
+            scenes.splice(..0, own.cloned());
+        } else {
             scenes.insert(0, played.clone());
         }
         let index = scenes.iter().position(same);
@@ -250,7 +252,7 @@ mod tests {
     }
 
     fn browser(size: (f64, f64, f64)) -> Browser {
-        let mut browser = Browser::open(&session(&Scene::load("gravity").unwrap()));
+        let mut browser = Browser::open(&session(&Scene::load("gravity").unwrap()), None);
         browser.lay_out(room(size));
         browser
     }
@@ -352,9 +354,18 @@ mod tests {
     }
 
     #[test]
+    fn a_window_for_one_card_says_which_of_all_it_is() {
+        let browser = browser((260.0, 200.0, 1.0));
+        let count = browser.cards.len();
+        assert_eq!(browser.seen().len(), 1);
+        let said = format!("{} of {count}", browser.seen().end);
+        assert!(browser.notes().iter().all(|note| note.starts_with(&said)), "{:?}", browser.notes());
+    }
+
+    #[test]
     fn a_scene_of_ones_own_comes_first_and_is_marked_as_playing() {
         let mine = Scene::parse("mine.toml", "[[ball]]\nposition = [50, 50]\nradius = 9\n").unwrap();
-        let browser = Browser::open(&session(&mine));
+        let browser = Browser::open(&session(&mine), None);
         assert_eq!((browser.selected().unwrap().name(), browser.played), ("mine", Some(0)));
         assert_eq!(browser.cards.len(), scene::names().len() + 1);
     }
@@ -363,11 +374,11 @@ mod tests {
     fn the_card_of_what_is_played_shows_it_as_it_is_now() {
         let mine = Scene::parse("mine.toml", "[[ball]]\nposition = [50, 50]\nradius = 9\n").unwrap();
         let mut session = session(&mine);
-        let browser = Browser::open(&session);
+        let browser = Browser::open(&session, None);
         assert_eq!((browser.cards[0].balls, browser.cards[0].solver), (1, mine.solver()));
         session.apply(Change::AddRandom(30).into()).unwrap();
         session.apply(Change::Solver(Solver::Contact).into()).unwrap();
-        let mut browser = Browser::open(&session);
+        let mut browser = Browser::open(&session, None);
         assert_eq!((browser.cards[0].balls, browser.cards[0].solver), (31, Solver::Contact));
         browser.page(room(SIZES[0]), session.simulation());
         assert_eq!(browser.cards[0].picture, page::picture(session.simulation(), browser.layout.picture));

@@ -80,7 +80,12 @@ impl Browser {
         if seen.len() == all {
             return vec![KEYS.to_owned()];
         }
-        let which = format!("{}–{} of {all}", seen.start + 1, seen.end);
+        let first = seen.start + 1;
+        let which = if first == seen.end {
+            format!("{first} of {all}")
+        } else {
+            format!("{first}–{} of {all}", seen.end)
+        };
         vec![format!("{which} · wheel, {KEYS}"), format!("{which} · wheel"), which]
     }
 
