@@ -27,7 +27,7 @@ fn held(name: &str, solver: Solver, frames: u32) -> Result<String, String> {
     let (mut deepest, mut grid) = (0.0_f64, Grid::new(simulation.balls(), simulation.world().size()));
     for frame in 1..=frames {
         match &mut rain {
-            Some(rain) => drop(rain.advance_while(&mut simulation, FRAME, || true).unwrap()),
+            Some(rain) => rain.advance(&mut simulation, FRAME).unwrap(),
             None => simulation.advance(FRAME).unwrap(),
         }
         let told = |error| format!("{name} with {solver}, frame {frame}: {error}");

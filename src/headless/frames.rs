@@ -153,7 +153,7 @@ impl Frames {
     /// The delta in seconds of a frame, from 0, of which there are [`count`](Self::count).
     ///
     /// # Panics
-    /// Where deltas were [read](Self::read) and there is no such frame.
+    /// Where deltas were [read](Self::read) and there is no such frame; of even ones there is none that says so.
     #[must_use]
     pub fn delta(&self, frame: u64) -> f64 {
         match &self.0 {

@@ -103,7 +103,7 @@ fn measure(
     })
 }
 
-/// The settings that are run: every second of a ladder, up to what a gas needs.
+/// The settings that are run: all of a ladder, up to what a gas needs.
 fn settings() -> Vec<Setting> {
     let all = Setting::all(false).into_iter();
     all.filter(|setting| match setting {

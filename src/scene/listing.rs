@@ -36,7 +36,7 @@ impl Listing {
         let balls = simulation.balls().len();
         if let Some(mut rain) = scene.rain() {
             // Before the first ball falls in, nothing of what it meets is needed.
-            rain.advance_while(&mut simulation, 1.0, || true).expect("a second is a delta");
+            rain.advance(&mut simulation, 1.0).expect("a second is a delta");
         }
         let parts = simulation.parts();
         let without = |wanted: &[Part]| !parts.iter().any(|part| wanted.contains(part));

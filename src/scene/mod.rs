@@ -240,14 +240,25 @@ impl Scene {
         &self.world
     }
 
-    /// The balls that fall in while it runs, if any do: at its beginning.
+    /// The balls that fall in while it runs, if any do: at its beginning. Where there are any, [`Rain::advance`] takes the place of
+    /// [`Simulation::advance`]:
+    ///
+    /// ```
+    /// # use carom::Scene;
+    /// let scene = Scene::load("rain")?;
+    /// let mut simulation = scene.build()?;
+    /// let mut rain = scene.rain().expect("it rains in this scene");
+    /// rain.advance(&mut simulation, 2.0)?;
+    /// assert!(simulation.balls().len() > 100);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn rain(&self) -> Option<Rain> {
         self.rain.clone()
     }
 
-    /// The simulation that this scene describes, at time 0, with its fills placed and its balls added; it may use all
-    /// cores.
+    /// The simulation that this scene describes, at time 0, with its fills placed and its balls added, but without its
+    /// [rain](Self::rain), which has to be moved on with it. It may use all cores ([`Simulation::with_threads`]).
     ///
     /// # Errors
     /// [`SceneError`] where balls do not fit.

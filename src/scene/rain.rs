@@ -52,6 +52,14 @@ impl Rain {
         (&self.fill, self.rate)
     }
 
+    /// Moves a simulation on by `seconds`, as [`Simulation::advance`] does, and lets balls fall in when it is their time.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] where no frame may be so long; nothing has moved then.
+    pub fn advance(&mut self, simulation: &mut Simulation, seconds: f64) -> Result<(), OutOfRange> {
+        self.advance_while(simulation, seconds, || true).map(drop)
+    }
+
     /// Moves a simulation on by up to `seconds`, as [`Simulation::advance_while`] does, and lets balls fall in when it
     /// is their time.
     ///

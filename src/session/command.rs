@@ -23,7 +23,7 @@ pub enum Command {
     Slower,
     /// Double the time scale.
     Faster,
-    /// Go to the built-in scene of this number, from 0.
+    /// Go to the built-in scene of this number, from 0; nothing happens where there is none.
     Scene(usize),
     /// Go to the next built-in scene.
     NextScene,

@@ -179,8 +179,8 @@ impl Simulation {
 
     /// The same simulation with so many threads for [`Solver::Contact`], the only solver that shares its work: it does
     /// where there are some thousands of balls, and where it takes substeps. The result is the same, to the bit, whatever
-    /// the number. There is one unless told otherwise, and always where carom is built without its feature `parallel`;
-    /// 0 counts as 1, and more than [`limits::MAX_THREADS`] as that.
+    /// the number. There is one unless told otherwise, but as many as there are cores where a [scene](crate::Scene::build)
+    /// made it, and always one where carom is built without its feature `parallel`; 0 counts as 1, and more than [`limits::MAX_THREADS`] as that.
     #[must_use]
     pub fn with_threads(mut self, threads: u32) -> Self {
         self.tuning.threads = threads.clamp(1, MAX_THREADS);

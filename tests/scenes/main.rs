@@ -81,7 +81,7 @@ fn a_reseeded_scene_has_other_random_balls_in_all_of_its_parts_the_same_for_the_
     let parts = |scene: Scene| -> Vec<Vec<carom::Ball>> {
         let (mut simulation, mut rain) = (scene.build().unwrap(), scene.rain().unwrap());
         let start = simulation.balls().to_vec();
-        rain.advance_while(&mut simulation, 1.0, || true).unwrap();
+        rain.advance(&mut simulation, 1.0).unwrap();
         let rained = simulation.balls()[61..].to_vec();
         [&start[..1], &start[1..21], &start[21..41], &start[41..61], &rained].map(<[_]>::to_vec).into()
     };

@@ -12,7 +12,7 @@ fn rained(solver: Solver, seconds: f64, frame: f64) -> Simulation {
     let (mut simulation, mut rain) = (scene.build().unwrap(), scene.rain().unwrap());
     while simulation.time() < seconds - 1e-9 {
         let delta = frame.min(seconds - simulation.time());
-        rain.advance_while(&mut simulation, delta, || true).unwrap();
+        rain.advance(&mut simulation, delta).unwrap();
     }
     simulation
 }
@@ -38,10 +38,10 @@ fn balls_that_met_before_the_last_spell_of_a_frame_count_as_touching_in_it() {
         let scene = Scene::parse("two", text).unwrap().with_solver(solver);
         let (mut simulation, mut rain) = (scene.build().unwrap(), scene.rain().unwrap());
         // They meet after 0.4 s.
-        rain.advance_while(&mut simulation, 1.0, || true).unwrap();
+        rain.advance(&mut simulation, 1.0).unwrap();
         assert_eq!((simulation.tally().impacts, simulation.balls().len()), (1, 3));
         assert_eq!(simulation.touching(), [true, true, false], "{solver}");
-        rain.advance_while(&mut simulation, 1.0, || true).unwrap();
+        rain.advance(&mut simulation, 1.0).unwrap();
         assert_eq!(simulation.touching(), [false; 4], "{solver}");
     }
 }
@@ -74,7 +74,7 @@ fn rain_refuses_a_delta_that_is_no_time_before_anything_moves() {
     let scene = Scene::parse("rain", RAIN).unwrap();
     let (mut simulation, mut rain) = (scene.build().unwrap(), scene.rain().unwrap());
     for delta in [-1.0, f64::NAN, f64::INFINITY, 2e6] {
-        assert!(rain.advance_while(&mut simulation, delta, || true).is_err());
+        assert!(rain.advance(&mut simulation, delta).is_err());
     }
     assert_eq!((simulation.time(), simulation.balls().len()), (0.0, 0));
 }

@@ -86,7 +86,9 @@ impl Ledger {
     }
 
     /// Holds the simulation as it is against the laws; call it after every [`advance`](Simulation::advance). Where
-    /// balls came or went, or the world or the solver is another, the accounts begin anew.
+    /// balls came or went, or the world or the solver is another, the accounts begin anew. They know nothing of balls that were
+    /// thrown or moved by [`set_velocity`](Simulation::set_velocity) or [`set_position`](Simulation::set_position): after these,
+    /// make a new ledger.
     ///
     /// # Errors
     /// The first [`Violation`]; the ledger then still has the frame before.
