@@ -19,9 +19,10 @@ use crate::simulation::clock::Clock;
 use super::blows::Blow;
 use super::contacts::{Contact, Support};
 use super::flights::{Marks, Way};
+use super::gather::{Belong, Near};
 use super::group::{Group, Member};
 use super::headway::Headway;
-use super::settle::{Belong, LIFTED, Near, STEPS_PER_EVENT};
+use super::settle::{LIFTED, STEPS_PER_EVENT};
 use super::{Exact, Needs};
 
 /// Steps while a hop at the rest speed lasts: what is carried hops at half of it.

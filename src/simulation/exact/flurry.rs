@@ -12,8 +12,9 @@ use crate::simulation::clock::INSTANT;
 
 use super::contacts::Support;
 use super::flights::Marks;
+use super::gather::{Belong, Near};
 use super::group::{Group, Member};
-use super::settle::{Belong, FIRM, LARGEST, Near, STEPS_PER_EVENT};
+use super::settle::{FIRM, LARGEST, STEPS_PER_EVENT};
 use super::sweeps::Enough;
 use super::{Exact, Needs};
 

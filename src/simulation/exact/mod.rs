@@ -11,7 +11,7 @@
 //! - `foresee`, `meetings`: which event comes next for a ball, on its own way or with others;
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
-//! - `settle`, `group`, `contacts`, `sweeps`, `interior`: how they come to rest on each other;
+//! - `settle`, `gather`, `group`, `contacts`, `sweeps`, `interior`: how they come to rest on each other;
 //! - `carry`, `onward`, `blows`, `flurry`, `headway`: how many go on that press on each other until then, what becomes of blows on
 //!   them, what ends their flurries of hits, and which of them are jammed;
 //! - `pace`: whether there are more impacts than can be followed;
@@ -29,6 +29,7 @@ mod events;
 mod flights;
 mod flurry;
 mod foresee;
+mod gather;
 mod group;
 mod headway;
 mod impacts;
