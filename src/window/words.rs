@@ -67,8 +67,14 @@ pub(super) fn past(session: &Session, rewinding: bool) -> Option<String> {
         _ if session.is_paused() => "Space: play on",
         _ => "playing again",
     };
-    Some(format!("{} ago · {how}", duration(session.seconds_ago())))
+    let ago = session.seconds_ago();
+    // Where it takes long to go back by a frame, nothing seems to happen: not "0 ms ago".
+    let nothing_yet = rewinding && ago < SHOWN;
+    Some(if nothing_yet { format!("{how} …") } else { format!("{} ago · {how}", duration(ago)) })
 }
+
+/// Less than this, s, is shown as no time.
+const SHOWN: f64 = 5e-4;
 
 /// A time, s, to a tenth of a second; a shorter one in milliseconds.
 fn duration(seconds: f64) -> String {
