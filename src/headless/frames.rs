@@ -25,6 +25,7 @@ enum Kind {
 
 /// Why there are no frames to run.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FramesError {
     /// The time or the frame rate is out of range.
     #[error("{0}")]

@@ -66,6 +66,7 @@ pub struct Run {
 
 /// Why a run failed.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// The scene is wrong.
     #[error(transparent)]

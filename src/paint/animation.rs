@@ -5,6 +5,7 @@
 //! difference of their absolute times: no error adds up. Only what changed is stored, with the colours that are in
 //! that.
 
+use std::fmt;
 use std::io::Write;
 
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
@@ -24,6 +25,7 @@ const LONGEST: f64 = 1e6;
 
 /// Why an animation was not written.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum AnimationError {
     /// GIF counts a picture's sides in 16 bits.
     #[error("a GIF has at most 65535x65535 px, not {width}x{height}; give a smaller --size")]
@@ -72,6 +74,12 @@ pub struct Animation<W: Write> {
     shown: Vec<Pixel>,
     /// The frame that waits to be told how long it is shown, and when it began, s.
     waiting: Option<(Frame<'static>, f64)>,
+}
+
+impl<W: Write> fmt::Debug for Animation<W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Animation").field("size", &self.size).finish_non_exhaustive()
+    }
 }
 
 impl<W: Write> Animation<W> {

@@ -24,7 +24,7 @@ pub(crate) mod trails;
 
 use glam::DVec2;
 use thiserror::Error;
-use tiny_skia::{Paint, Pixmap, PixmapMut};
+use tiny_skia::Paint;
 
 pub use animation::{Animation, AnimationError};
 pub use colours::{BACKGROUND, BALL, CONTACT, Colour, FIXED};
@@ -33,6 +33,7 @@ use lines::Lines;
 pub use painter::Painter;
 use shapes::Shapes;
 use target::Target;
+pub use tiny_skia::{Pixmap, PixmapMut};
 
 use crate::simulation::{Ball, Simulation};
 

@@ -82,6 +82,7 @@ pub struct Options {
 
 /// Why there is no report.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ReportError {
     /// There is no section, problem or case of this name.
     #[error("there is nothing named \"{name}\" in the report; choose from: {}", known.join(", "))]

@@ -10,6 +10,7 @@ use crate::simulation::BuildError;
 
 /// Why there is no scene to show.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SceneError {
     /// Neither a built-in scene nor a scene file has this name.
     #[error(

@@ -132,6 +132,7 @@ fn no_room(placed: usize, count: usize) -> String {
 
 /// Why a command did nothing, or less than it should.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum CommandError {
     /// Some of the random balls found no place.
     #[error("{}", no_room(*placed, *count))]

@@ -10,6 +10,7 @@ use super::world::World;
 
 /// Why balls and a world do not make a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum BuildError {
     /// A ball is wider than the walls are apart.
     BallWiderThanWorld {

@@ -11,6 +11,7 @@ use crate::scene::SceneError;
 
 /// Why there is no window, or no more. Each message says what is missing, how to get it, and what works without.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum WindowError {
     /// No display server answers.
     #[error(

@@ -64,6 +64,7 @@ impl fmt::Display for Refused {
 
 /// Why a replay cannot be played.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ReplayError {
     /// The file cannot be read.
     #[error("{}: {source}; give a replay that the window saved with Ctrl+Shift+S", path.display())]
