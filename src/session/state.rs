@@ -8,7 +8,7 @@ use super::command::{Change, CommandError};
 use super::truth::Truth;
 use crate::scene::{self, Rain, Scene, SceneError};
 use crate::simulation::invariants;
-use crate::simulation::limits::{COORDINATE, GRAVITY, MAX_BALLS, VELOCITY};
+use crate::simulation::limits::{COORDINATE, GRAVITY, MAX_BALLS, RADIUS, VELOCITY};
 use crate::simulation::{Ball, BuildError, Simulation, Solver};
 
 /// The smallest radius that whoever wants a larger ball makes do with, px.
@@ -269,7 +269,7 @@ impl State {
             let gap = |ball: &Ball| ball.position().distance(position) - ball.radius();
             radius = self.simulation.balls().iter().map(gap).fold(radius, f64::min);
         }
-        (radius >= LEAST_FITTED.min(wished)).then_some(radius)
+        (radius >= LEAST_FITTED.min(wished).max(RADIUS.low)).then_some(radius)
     }
 
     /// Gives a ball the velocity that brings it to where the hand is.

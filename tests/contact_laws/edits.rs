@@ -2,6 +2,7 @@
 
 use carom::simulation::ledger::Ledger;
 
+use super::numbers::random;
 use super::*;
 
 /// Frames a second that end within substeps, and one that does not.
@@ -67,6 +68,119 @@ fn a_ball_that_is_added_or_thrown_within_a_substep_flies_from_where_it_was_seen(
                 assert!(off < 1e-6, "{rate} frames a second, the {n}th: {off} px beside its path");
             }
         }
+    }
+}
+
+#[test]
+fn a_ball_that_is_added_to_or_thrown_from_a_pile_of_which_all_sleep_flies_from_where_it_was_seen() {
+    for rate in RATES {
+        let frame = 1.0 / f64::from(rate);
+        let mut simulation = lying(41, Vec::new());
+        (0..2 * rate).for_each(|_| simulation.advance(frame).unwrap());
+        let (seen, thrown) = (simulation.balls()[20], DVec2::new(400.0, -1300.0));
+        simulation.add(&[moving(ball(3000.0, 600.0, 8.0), 500.0, -900.0)]).unwrap();
+        simulation.set_velocity(20, thrown).unwrap();
+        (0..20).for_each(|_| simulation.advance(frame).unwrap());
+        let t = 20.0 * frame;
+        for (ball, from, velocity) in [
+            (simulation.balls()[20], seen.position(), thrown),
+            (simulation.balls()[41], DVec2::new(3000.0, 600.0), DVec2::new(500.0, -900.0)),
+        ] {
+            let off = ball.position().distance(from + velocity * t + 0.5 * EARTH * t * t);
+            assert!(off < 1e-6, "{rate} frames a second: {off} px beside its path");
+        }
+    }
+}
+
+#[test]
+fn what_was_thrown_is_seen_where_it_was_and_as_fast_as_it_was_thrown() {
+    let mut random = random(7);
+    for round in 0..400 {
+        let (few, rate) = (round % 2 == 0, RATES[round % 5]);
+        let world = world(300.0, 300.0, 0.8).with_gravity(EARTH).unwrap();
+        let place = |k: u32| (20.0 + 30.0 * f64::from(k % 9), 290.0 - 25.0 * f64::from(k / 9));
+        let balls = (0..if few { 12 } else { 60 })
+            .map(place)
+            .map(|(x, y)| moving(ball(x, y, 10.0), 400.0 * (random() - 0.5), 400.0 * (random() - 0.5)));
+        let mut simulation = simulation(world, balls.collect()).with_substeps(240).unwrap();
+        for _ in 0..3 + round % 20 {
+            simulation.advance(1.0 / f64::from(rate)).unwrap();
+        }
+        let index = round % simulation.balls().len();
+        let seen = simulation.balls()[index].position();
+        let thrown = [DVec2::new(0.0, 300.0), DVec2::ZERO, simulation.balls()[index].velocity()][round % 3];
+        simulation.set_velocity(index, thrown).unwrap();
+        simulation.advance(0.0).unwrap();
+        let now = simulation.balls()[index];
+        let (moved, turned) = (now.position().distance(seen), now.velocity().distance(thrown));
+        assert!(moved < 1e-9 && turned < 1e-9, "round {round}: {moved} px, {turned} px/s");
+    }
+}
+
+/// One ball among few that know of it only since the last search was thrown far: that ended the program.
+#[test]
+fn a_ball_is_thrown_after_another_was_added() {
+    for count in [3, 20, 39, 40, 60] {
+        let mut simulation = lying(count, vec![moving(ball(2000.0, 1000.0, 10.0), 0.0, 0.0)]);
+        simulation = simulation.with_substeps(240).unwrap();
+        (0..5).for_each(|_| simulation.advance(1.0 / 144.0).unwrap());
+        simulation.add(&[ball(1000.0, 500.0, 10.0)]).unwrap();
+        let seen = simulation.balls()[count].position();
+        simulation.set_velocity(count, DVec2::new(-5e4, 0.0)).unwrap();
+        simulation.advance(0.01).unwrap();
+        let off = simulation.balls()[count].position().distance(seen + DVec2::new(-500.0, 0.049));
+        assert!(off < 1e-6, "{count}: {off} px beside its path");
+    }
+}
+
+#[test]
+fn the_top_of_a_stack_that_is_told_to_stand_still_does_and_a_ball_that_is_thrown_and_stopped_at_once() {
+    for rate in RATES {
+        let frame = 1.0 / f64::from(rate);
+        let stack = (0..14).map(|k| ball(200.0, 390.0 - 20.0 * f64::from(k), 10.0)).collect();
+        let world = world(400.0, 400.0, 0.5).with_gravity(EARTH).unwrap();
+        let mut simulation = simulation(world, stack);
+        simulation.advance(2.0).unwrap();
+        let before = simulation.balls()[13].position();
+        for _ in 0..rate {
+            simulation.set_velocity(13, DVec2::new(0.0, -1000.0)).unwrap();
+            simulation.set_velocity(13, DVec2::ZERO).unwrap();
+            simulation.advance(frame).unwrap();
+        }
+        let moved = simulation.balls()[13].position().distance(before);
+        // A hundredth of its radius.
+        assert!(moved < 0.1, "{rate} frames a second: {moved} px");
+    }
+}
+
+#[test]
+fn a_pile_sleeps_on_around_a_ball_that_is_carried_through_it_at_any_frame_rate() {
+    let still = |rate: f64| {
+        let text = "solver = \"contact\"\nsize = [400, 400]\ngravity = [0, 980]\n[walls]\nrestitution = 0.5\n[pairs]\n\
+                    [[fill]]\ncount = 300\nradius = [6, 9]\nrestitution = 0.5\n";
+        let mut simulation = Scene::parse("pile", text).unwrap().build().unwrap();
+        simulation.advance(10.0).unwrap();
+        let asleep = |simulation: &Simulation| {
+            simulation.balls().iter().filter(|ball| ball.velocity() == DVec2::ZERO).count()
+        };
+        assert_eq!(asleep(&simulation), 300);
+        let from = simulation.balls()[0].position();
+        let mut sum = 0;
+        for frame in 0..(2.0 * rate) as u32 {
+            // Slowly to and fro, as a hand does.
+            let wanted = from + DVec2::new(40.0 * (0.5 * f64::from(frame) / rate).sin(), 0.0);
+            let velocity = (wanted - simulation.balls()[0].position()) * 30.0;
+            simulation.set_velocity(0, velocity).unwrap();
+            simulation.advance(1.0 / rate).unwrap();
+            sum += asleep(&simulation);
+        }
+        f64::from(sum as u32) / (2.0 * rate)
+    };
+    let at_60 = still(60.0);
+    assert!(at_60 > 60.0, "{at_60}");
+    for rate in [59.94, 75.0, 144.0] {
+        let found = still(rate);
+        assert!(found > 0.5 * at_60, "{rate} frames a second: {found} asleep on average, {at_60} at 60");
     }
 }
 

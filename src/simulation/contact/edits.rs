@@ -1,25 +1,31 @@
 //! Balls that are added, or thrown, from outside.
 //!
 //! That is done to balls as they are shown, which may be within a substep whose end is found already. A ball that flies freely from
-//! there to its end is brought to where it is then, as if it had been so from the beginning. Where others, or walls, are in its way,
-//! those have passed, or not been met, in the meantime: then the solver is made anew from what is shown, unless the ball was slow.
+//! there is brought to where it is at that end, as if it had been so from the beginning. Where others, or walls, are in its way, they
+//! have passed meanwhile, or were not met: one that is added has the solver made anew then, from what is shown; one that is thrown
+//! stays where it would have come to, if that is nearly the same, or where it is shown. So does one that others hold: to make the solver
+//! anew wakes what sleeps, and who carries a ball through a pile throws it in each frame.
 
 use glam::DVec2;
 
 use super::super::ball::Ball;
 use super::super::world::World;
 use super::body::Body;
-use super::show::Start;
+use super::fates::Fate;
+use super::show::{Held, Start};
 use super::sleep::Rest;
 use super::unlike::Crush;
 use super::wall_support::any_jams;
 use super::{Contact, SHIFT, can_rest, has_pairs};
 
 /// A thrown ball that something is in the way of stays where it would have come to, unless that is more than this part of its radius
-/// from where it comes to now.
-const AWAY: f64 = 0.5;
-/// More balls than these are not added within a substep: all others would have to be looked at for each of them.
-const MANY: usize = 256;
+/// from where it comes to now: it is in no other there.
+const AWAY: f64 = 0.1;
+/// More pairs of an added ball and one that was there are not looked at within a substep.
+const MOST_LOOKED_AT: usize = 1 << 18;
+
+/// Of a substep of which no more than this part is left nothing is.
+const ROUNDING: f64 = 1e-9;
 
 /// The rest of the substep that a frame ends in.
 #[derive(Debug, Clone, Copy)]
@@ -30,77 +36,100 @@ struct Remainder {
     gravity: DVec2,
 }
 
-/// A free flight of a ball through what is left of a substep.
+/// A way of a ball through what is left of a substep.
 #[derive(Debug, Clone, Copy)]
-struct Flight {
+struct Way {
     radius: f64,
     from: DVec2,
-    velocity: DVec2,
     to: DVec2,
+    /// How deep it may come to lie in others, as a part of the smaller radius: none at all where others hold it now.
+    deep: f64,
 }
 
 impl Remainder {
-    fn flight(self, ball: &Ball) -> Flight {
+    /// That of a ball that flies, or stands where it is fixed.
+    fn way(self, ball: &Ball) -> Way {
         let Self { left, gravity, .. } = self;
-        let way = (ball.velocity + 0.5 * gravity * left) * left;
-        let to = if ball.is_fixed() { ball.position } else { ball.position + way };
-        Flight { radius: ball.radius, from: ball.position, velocity: ball.velocity, to }
+        let flown = (ball.velocity + 0.5 * gravity * left) * left;
+        let to = if ball.is_fixed() { ball.position } else { ball.position + flown };
+        Way { radius: ball.radius, from: ball.position, to, deep: SHIFT }
     }
 
-    /// The ball where the substep began, if it flew, and its velocity at its end.
-    fn ends(self, flight: Flight) -> (Start, DVec2) {
+    /// The velocity at its end of a ball that flies, px/s.
+    fn last_velocity(self, ball: &Ball) -> DVec2 {
+        ball.velocity + self.gravity * self.left
+    }
+
+    /// Where the substep would have begun for a ball that is shown as it is, and comes to this place with this velocity at its end.
+    fn start(self, ball: &Ball, to: DVec2, velocity: DVec2) -> Start {
         let Self { over, left, gravity } = self;
-        let velocity = flight.velocity - gravity * over;
-        let position = flight.from - (velocity + 0.5 * gravity * over) * over;
-        let mean = velocity + 0.5 * gravity * (over + left);
-        (Start::going(position, velocity, mean), flight.velocity + gravity * left)
+        let share = over / (over + left);
+        // What nothing holds is shown so much above the straight line.
+        let bent = 0.5 * over * left * gravity;
+        let position = (ball.position + bent - share * to) / (1.0 - share);
+        Start::going(position, (ball.velocity - share * velocity) / (1.0 - share))
     }
 }
 
-impl Flight {
-    /// Whether it comes to lie deep in another ball of this radius that goes from one place to another meanwhile. That is moved by
-    /// up to so much beside that way, px.
+impl Way {
+    /// Whether it leads into another ball of this radius that goes from one place to another meanwhile. That is moved by up to so
+    /// much beside that way, px.
     fn meets(&self, radius: f64, (from, to): (DVec2, DVec2), beside: f64) -> bool {
-        let reach = self.radius + radius + beside - SHIFT * self.radius.min(radius);
+        let reach = self.radius + radius + beside - self.deep * self.radius.min(radius);
         let (begin, end) = (self.from - from, self.to - to);
         let way = end - begin;
         let length = way.length_squared();
         let nearest = if length == 0.0 { 0.0 } else { (-begin.dot(way) / length).clamp(0.0, 1.0) };
-        (begin + way * nearest).length_squared() < reach * reach
+        let nearest = (begin + way * nearest).length();
+        nearest < reach && (self.deep > 0.0 || nearest < begin.length())
     }
 }
 
 impl Contact {
-    /// What is left of the substep that a frame ended in, where it is not over.
-    fn remainder(&self) -> Option<Remainder> {
+    /// What is left of the substep that is shown, where it is not over.
+    fn remainder(&mut self) -> Option<Remainder> {
+        if self.before.is_empty() && self.all_asleep {
+            // They have slept through it, and nothing told of it yet.
+            self.course.fates.fill(Fate::default());
+            self.before = (0..self.bodies.len()).map(|at| self.start_of(at)).collect();
+        }
         let (share, substep) = (self.share(), self.setting.substep);
-        let remainder =
-            Remainder { over: share * substep, left: (1.0 - share) * substep, gravity: self.setting.gravity };
-        (!self.before.is_empty() && remainder.left > 0.0).then_some(remainder)
+        let is_within = !self.before.is_empty() && share < 1.0 - ROUNDING;
+        is_within.then_some(Remainder {
+            over: share * substep,
+            left: (1.0 - share) * substep,
+            gravity: self.setting.gravity,
+        })
     }
 
-    /// Whether a ball that flies so comes out of the walls, or to lie in any other but the body at `but`. `balls` are as they are shown.
-    fn is_barred(&self, flight: Flight, balls: &[Ball], but: Option<usize>, left: f64) -> bool {
-        self.setting.inside(flight.to, flight.radius) != flight.to
-            || self.comes_into(flight, balls, but, left)
+    /// Whether a ball's way leads out of the walls, or into any other but the body at `but`. `balls` are as they are shown.
+    fn is_barred(&self, way: Way, balls: &[Ball], but: Option<usize>, left: f64) -> bool {
+        self.setting.inside(way.to, way.radius) != way.to || self.comes_into(way, balls, but, left)
     }
 
     /// The same without the walls.
-    fn comes_into(&self, flight: Flight, balls: &[Ball], but: Option<usize>, left: f64) -> bool {
+    fn comes_into(&self, way: Way, balls: &[Ball], but: Option<usize>, left: f64) -> bool {
         let meets = |(at, (body, &id)): (usize, (&Body, &u32))| {
             // What was hit does not go straight.
             let speed = || body.velocity.length().max(self.before[at].velocity.length());
             let beside = if self.course.was_hit(at) { speed() * left } else { 0.0 };
-            let way = (balls[id as usize].position, body.position);
-            but != Some(at) && flight.meets(body.radius, way, beside)
+            but != Some(at) && way.meets(body.radius, (balls[id as usize].position, body.position), beside)
         };
         self.pairs && self.bodies.iter().zip(&self.ids).enumerate().any(meets)
     }
 
-    /// Whether a body was hit, or may have been, after what is shown.
+    /// Whether a body was hit firmly, or may have been, after what is shown: what it hit then would be hit by nothing if it were thrown.
     fn is_hit_later(&self, at: usize) -> bool {
-        let is_on_last = |(on, last)| on == Some(last);
-        self.course.was_hit(at) && !self.course.legs.of_body(at).is_some_and(is_on_last)
+        if !self.course.was_hit(at) {
+            return false;
+        }
+        let (start, body) = (&self.before[at], &self.bodies[at]);
+        let [now, last] = match self.course.legs.of_body(at) {
+            Some((on, last)) => [on.map_or(Some(start.way), |leg| leg.velocity), last.velocity],
+            None => [Some(start.velocity), Some(body.velocity)],
+        };
+        let turned = now.zip(last).map_or(f64::INFINITY, |(now, last)| now.distance(last));
+        turned > self.setting.firm + self.setting.kick.length()
     }
 
     /// Takes up balls that were added after those that are known, if it can; `balls` are all.
@@ -117,10 +146,10 @@ impl Contact {
             return false;
         }
         let remainder = self.remainder();
-        let flights: Vec<Flight> =
-            remainder.iter().flat_map(|rest| new.iter().map(|ball| rest.flight(ball))).collect();
+        let ways: Vec<(Way, &Ball)> =
+            remainder.iter().flat_map(|rest| new.iter().map(|ball| (rest.way(ball), ball))).collect();
         if let Some(Remainder { left, .. }) = remainder
-            && self.are_barred(&flights, balls, left)
+            && self.are_barred(&ways, balls, left)
         {
             return false;
         }
@@ -133,12 +162,12 @@ impl Contact {
         for (at, ball) in new.iter().enumerate() {
             let mut body = Body::new(ball, self.setting.kick);
             let mut start = Start::of(ball);
-            if let (Some(remainder), Some(&flight)) =
-                (remainder, flights.get(at).filter(|_| !ball.is_fixed()))
+            if let (Some(remainder), Some(&(Way { to, .. }, _)), false) =
+                (remainder, ways.get(at), ball.is_fixed())
             {
-                let velocity;
-                (start, velocity) = remainder.ends(flight);
-                body.go(flight.to, velocity, self.setting.kick);
+                let velocity = remainder.last_velocity(ball);
+                body.go(to, velocity, self.setting.kick);
+                start = remainder.start(ball, to, velocity);
             }
             self.bodies.push(body);
             self.rests.push(Rest::new(&body));
@@ -154,24 +183,21 @@ impl Contact {
         true
     }
 
-    /// Whether anything is in the way of any of the last of these balls, which fly so, one for each flight, or are fixed.
-    fn are_barred(&self, flights: &[Flight], balls: &[Ball], left: f64) -> bool {
-        let new = &balls[balls.len() - flights.len()..];
-        let bars = |(at, (&flight, ball)): (usize, (&Flight, &Ball))| {
-            let meets = |(other, its): (&Flight, &Ball)| {
-                !(ball.is_fixed() && its.is_fixed())
-                    && flight.meets(other.radius, (other.from, other.to), 0.0)
+    /// Whether anything is in the way of any of these balls that are added to those that are known; `balls` are all.
+    fn are_barred(&self, added: &[(Way, &Ball)], balls: &[Ball], left: f64) -> bool {
+        let bars = |(at, &(way, ball)): (usize, &(Way, &Ball))| {
+            let meets = |&(other, its): &(Way, &Ball)| {
+                !(ball.is_fixed() && its.is_fixed()) && way.meets(other.radius, (other.from, other.to), 0.0)
             };
-            let others = || flights[..at].iter().zip(new);
             // Fixed ones may stand in walls.
-            self.pairs && others().any(meets)
+            self.pairs && added[..at].iter().any(meets)
                 || if ball.is_fixed() {
-                    self.comes_into(flight, balls, None, left)
+                    self.comes_into(way, balls, None, left)
                 } else {
-                    self.is_barred(flight, balls, None, left)
+                    self.is_barred(way, balls, None, left)
                 }
         };
-        flights.len() > MANY || flights.iter().zip(new).enumerate().any(bars)
+        added.len() * balls.len() > MOST_LOOKED_AT || added.iter().enumerate().any(bars)
     }
 
     /// Gives a ball the velocity that it was given from outside, if it can; `balls` are all, as they are shown.
@@ -182,38 +208,64 @@ impl Contact {
             return true;
         }
         let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
+        let kick = self.setting.kick;
+        let place = self.bodies[at].position;
         let Some(remainder) = self.remainder() else {
             self.free_by_hand(at);
-            let place = self.bodies[at].position;
-            self.bodies[at].go(place, ball.velocity, self.setting.kick);
+            self.bodies[at].go(place, ball.velocity, kick);
             return true;
         };
-        // What it hit then would be hit by nothing now.
-        if self.is_hit_later(at) {
+        let flies = self.flies(at) && !self.before[at].is_let_go;
+        let found = self.place_for(at, remainder, balls, flies);
+        if (found.is_none() || self.is_hit_later(at)) && self.is_loose() {
             return false;
         }
-        let flight = remainder.flight(ball);
-        let flies = self.flies(at);
-        let barred = self.is_barred(flight, balls, Some(at), remainder.left);
-        let place = self.bodies[at].position;
-        if barred && place.distance(flight.to) > AWAY * ball.radius {
-            return false;
-        }
+        let (to, is_flown) = found.unwrap_or((place, false));
         self.free_by_hand(at);
-        let (start, velocity) = remainder.ends(flight);
-        if barred {
-            let velocity = if flies { velocity } else { ball.velocity };
-            self.bodies[at].go(place, velocity, self.setting.kick);
-            self.before[at].velocity = ball.velocity;
-        } else {
-            self.bodies[at].go(flight.to, velocity, self.setting.kick);
-            self.before[at] = start;
-            let Self { near, bodies, setting, .. } = self;
-            // One that was added after pairs were searched is covered by the next search.
-            if let Some(near) = near.as_mut().filter(|near| at < near.homes.len()) {
-                near.cover_way(at, (flight.to, flight.to), bodies, setting);
-            }
+        // What others hold does not fall.
+        let velocity = if flies || is_flown { remainder.last_velocity(ball) } else { ball.velocity };
+        self.bodies[at].go(to, velocity, kick);
+        self.before[at] = Start { is_let_go: !(flies || is_flown), ..remainder.start(ball, to, velocity) };
+        // Nothing of what it did in this substep, nor of what held it, counts any more.
+        if let Some(fate) = self.course.fates.get_mut(at) {
+            *fate = Fate::default();
+        }
+        if let Some(held) = self.held.get_mut(at) {
+            *held = Held::default();
+        }
+        let Self { near, bodies, setting, .. } = self;
+        // After others were added, all are covered by the next search. Here pairs are linked, since it was freed.
+        if let Some(near) = near.as_mut().filter(|near| near.homes.len() == bodies.len()) {
+            near.cover_way(at, (to, to), bodies, setting);
         }
         true
+    }
+
+    /// Where a thrown ball, which flew until now or not, is at the end of the substep that is shown, and whether it flies there; if
+    /// there is any place for it that is near enough.
+    fn place_for(
+        &self,
+        at: usize,
+        remainder: Remainder,
+        balls: &[Ball],
+        flies: bool,
+    ) -> Option<(DVec2, bool)> {
+        let ball = &balls[self.ids[at] as usize];
+        let way = Way { deep: if flies { SHIFT } else { 0.0 }, ..remainder.way(ball) };
+        let is_free = |to: DVec2| !self.is_barred(Way { to, ..way }, balls, Some(at), remainder.left);
+        // Where it would have come to otherwise.
+        let place = self.bodies[at].position;
+        if is_free(way.to) {
+            Some((way.to, true))
+        } else if place.distance(way.to) <= AWAY * ball.radius {
+            Some((place, false))
+        } else {
+            is_free(ball.position).then_some((ball.position, false))
+        }
+    }
+
+    /// Whether nothing holds any ball, nor any sleeps: to make the solver anew changes nothing then.
+    fn is_loose(&self) -> bool {
+        !(self.held.iter().any(|held| held.any()) || self.rests.iter().any(|rest| rest.asleep))
     }
 }

@@ -31,18 +31,20 @@ pub(super) struct Start {
     /// Its velocity then.
     pub(super) velocity: DVec2,
     /// The same as [`super::Body`] has it, until it meets something.
-    way: DVec2,
+    pub(super) way: DVec2,
+    /// Whether it was thrown within the substep, and does not leave what held it then.
+    pub(super) is_let_go: bool,
 }
 
 impl Start {
-    /// That of one that was here, and this fast, and flies at this mean velocity.
-    pub(super) fn going(position: DVec2, velocity: DVec2, mean: DVec2) -> Self {
-        Self { position, velocity, way: mean }
+    /// That of one that was here, and this fast, and is hit by nothing.
+    pub(super) fn going(position: DVec2, velocity: DVec2) -> Self {
+        Self { position, velocity, way: velocity, is_let_go: false }
     }
 
-    /// That of a ball which was not there when the substep began.
+    /// That of a ball which was not there when the substep began, and does not fly through it: it is fixed, or comes at its end.
     pub(super) fn of(ball: &Ball) -> Self {
-        Self { position: ball.position, velocity: ball.velocity, way: ball.velocity }
+        Self::going(ball.position, ball.velocity)
     }
 }
 
@@ -129,7 +131,7 @@ impl Contact {
     pub(super) fn start_of(&self, at: usize) -> Start {
         let velocity = self.velocity_between(at);
         // As if it had been there, on its way, when the substep began.
-        Start { position: self.bodies[at].position - velocity * self.late, velocity, way: velocity }
+        Start::going(self.bodies[at].position - velocity * self.late, velocity)
     }
 
     /// Notes how fast bodies go into the substep, until they meet something.
