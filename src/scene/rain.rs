@@ -86,6 +86,12 @@ impl Rain {
         touched: &mut Vec<bool>,
     ) -> Result<f64, OutOfRange> {
         let mut left = seconds;
+        let mut stopped = false;
+        // It is not asked again after a no.
+        let mut go_on = || {
+            stopped = stopped || !go_on();
+            !stopped
+        };
         // Frames that end with a spell, up to rounding, see its balls.
         while let Some(wait) = self.wait().filter(|&wait| wait <= left + ROUNDING) {
             let done = simulation.advance_while(wait, &mut go_on)?;
@@ -104,13 +110,22 @@ impl Rain {
                 return Ok(seconds - left);
             }
         }
-        if left <= ROUNDING && seconds > ROUNDING {
+        if left < 0.0 || left <= ROUNDING && seconds > ROUNDING {
             // It ends with a spell: what came with it is as it came, whether rounding has left any time or not.
             return Ok(seconds);
         }
         let done = simulation.advance_while(left, go_on)?;
         self.pass(done);
         Ok(seconds - left + done)
+    }
+
+    /// Lets balls fall in again that may find room now, after many found none.
+    pub(crate) fn try_again(&mut self) {
+        if self.in_vain >= FULL {
+            // Those that would have come in the meantime do not.
+            let now = (self.time.0 / SPELL).floor() as u64;
+            (self.in_vain, self.spells) = (0, self.spells.max(now));
+        }
     }
 
     /// The kinetic and potential energy that its balls have come with so far, mass·px²/s².

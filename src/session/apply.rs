@@ -66,6 +66,7 @@ impl Session {
     /// replay holds.
     pub(super) fn change(&mut self, change: Change) -> Result<(), CommandError> {
         change.check()?;
+        self.due = 0.0;
         let done = self.state.apply(change);
         let entry = Entry::Change(Box::new(change));
         self.tape.add(Taken { entry, done: 0.0 }, 0.0, &self.state);

@@ -252,6 +252,7 @@ impl Session {
         watched: f64,
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<f64, crate::OutOfRange> {
+        self.due = 0.0;
         let (frame, done) = Frame::take(&mut self.state, seconds, go_on)?;
         self.tape.add(Taken { entry: Entry::Frame(frame), done }, watched, &self.state);
         Ok(done)
@@ -275,6 +276,10 @@ impl Session {
                 self.steps.pop_front();
             }
             self.tape.play(&mut self.state);
+        }
+        if self.tape.next().is_none() {
+            // What is due of the future is new.
+            self.due = 0.0;
         }
     }
 

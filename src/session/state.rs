@@ -9,7 +9,7 @@ use super::truth::Truth;
 use crate::scene::{self, Rain, Scene, SceneError};
 use crate::simulation::invariants;
 use crate::simulation::limits::{COORDINATE, GRAVITY, MAX_BALLS, RADIUS, VELOCITY};
-use crate::simulation::{Ball, BuildError, Simulation, Solver};
+use crate::simulation::{Ball, BuildError, Simulation, Solver, within};
 
 /// The smallest radius that whoever wants a larger ball makes do with, px.
 const LEAST_FITTED: f64 = 2.0;
@@ -181,6 +181,13 @@ impl State {
             Change::Compare(on) => self.compare(on),
         };
         self.given += energy(&self.simulation) - before;
+        let makes_room = matches!(
+            change,
+            Change::Remove(_) | Change::RemoveLast | Change::Place { .. } | Change::Resize(_)
+        );
+        if let Some(rain) = self.rain.as_mut().filter(|_| makes_room && done.is_ok()) {
+            rain.try_again();
+        }
         done
     }
 
@@ -289,7 +296,11 @@ impl State {
     }
 
     fn place(&mut self, index: usize, at: DVec2) -> Result<(), CommandError> {
-        let placed = self.ball(index)?.with_position(at)?;
+        let mut placed = self.ball(index)?.with_position(at)?;
+        let world = self.simulation.world();
+        if world.walls().is_some() {
+            placed = placed.with_position(within(at, placed.radius(), world.size()))?;
+        }
         if self.simulation.world().pairs().is_some() && !self.is_free(index, &placed) {
             return Err(CommandError::NoRoomHere);
         }

@@ -75,7 +75,7 @@ pub(super) fn jams(size: DVec2, radius: f64) -> BVec2 {
 
 /// The place between the walls of a world of `size` that is nearest to this one of a ball.
 #[inline]
-pub(super) fn within(place: DVec2, radius: f64, size: DVec2) -> DVec2 {
+pub(crate) fn within(place: DVec2, radius: f64, size: DVec2) -> DVec2 {
     // Not `clamp`: it panics where rounding leaves high below low for a ball as wide as the world.
     place.min(size - radius).max(DVec2::splat(radius))
 }

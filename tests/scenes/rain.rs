@@ -78,3 +78,16 @@ fn rain_refuses_a_delta_that_is_no_time_before_anything_moves() {
     }
     assert_eq!((simulation.time(), simulation.balls().len()), (0.0, 0));
 }
+
+#[test]
+fn a_frame_that_ends_just_before_balls_come_and_one_of_next_to_no_time_take_place() {
+    for short in [5e-13, 1e-13, 9e-13] {
+        let scene = Scene::load("rain").unwrap();
+        let (mut simulation, mut rain) = (scene.build().unwrap(), scene.rain().unwrap());
+        for delta in [0.124_999_999_998_6, short, short, 0.01] {
+            rain.advance(&mut simulation, delta).unwrap();
+        }
+        assert!(!simulation.balls().is_empty());
+        assert!((simulation.time() - 0.135).abs() < 1e-9);
+    }
+}

@@ -158,3 +158,29 @@ fn a_step_back_that_is_gone_bit_by_bit_shows_the_old_frame_until_it_is_there() {
         assert!(left < 2_000, "it does go back");
     }
 }
+
+#[test]
+fn to_go_back_begins_at_once_whatever_was_played_again_before() {
+    let mut session = session("elastic", Solver::Exact);
+    session.set_time_scale(1.0 / 64.0);
+    (0..640).for_each(|_| session.advance(STEP).unwrap());
+    (0..20).for_each(|_| session.apply(Command::Back).unwrap());
+    session.set_time_scale(16.0);
+    session.advance(0.1).unwrap();
+    assert!(!session.is_in_the_past());
+    session.set_time_scale(1.0 / 64.0);
+    for _ in 0..3 {
+        session.rewind(STEP);
+    }
+    assert!(session.is_in_the_past());
+    // Nor does it go back by what was due of frames that are long gone.
+    let mut session = super::session("elastic", Solver::Exact);
+    session.set_time_scale(16.0);
+    (0..10).for_each(|_| session.advance(0.1).unwrap());
+    session.apply(Command::Back).unwrap();
+    session.set_time_scale(1.0);
+    session.advance(STEP).unwrap();
+    (0..60).for_each(|_| session.advance(STEP).unwrap());
+    session.rewind(STEP);
+    assert!(session.seconds_ago() < 0.1, "{} s", session.seconds_ago());
+}

@@ -87,6 +87,43 @@ fn a_ball_that_is_to_be_small_is_as_small_and_a_large_one_makes_do_with_2_px_whe
 }
 
 #[test]
+fn a_replay_that_begins_with_another_solver_is_read_as_it_was_written() {
+    // A ball beyond the walls: `canvas` leaves it there, which the others do not.
+    let text = |solver| {
+        format!(
+            "solver = \"{solver}\"\nsize = [200, 100]\n[walls]\n[pairs]\n[[ball]]\nposition = [250, 50]\nradius = 10\n"
+        )
+    };
+    for (first, then) in [("canvas", Solver::Exact), ("exact", Solver::Canvas), ("exact", Solver::Contact)] {
+        let scene = Scene::parse("stray.toml", &text(first)).unwrap();
+        let mut session = Session::new(&scene, 1).unwrap();
+        session.apply(Change::Solver(then).into()).unwrap();
+        session.advance(0.01).unwrap();
+        let text = session.replay().unwrap();
+        let mut replay = Replay::parse(Path::new("replay"), &text, &scene).unwrap();
+        assert_eq!(replay.to_string(), text);
+        while replay.advance().unwrap() {}
+        assert_eq!(replay.simulation().balls(), session.simulation().balls());
+    }
+}
+
+#[test]
+fn rain_falls_again_where_room_was_made_in_a_full_box() {
+    let text = "solver = \"contact\"\nsize = [60, 60]\ngravity = [0, 980]\n[walls]\n[pairs]\n[rain]\nrate = 100\nradius = 5\n";
+    let mut session = Session::new(&Scene::parse("rain.toml", text).unwrap(), 1).unwrap();
+    let play = |session: &mut Session| (0..240).for_each(|_| session.advance(STEP).unwrap());
+    (0..3).for_each(|_| play(&mut session));
+    let full = balls(&session).len();
+    play(&mut session);
+    assert_eq!(balls(&session).len(), full);
+    session.resize(DVec2::new(400.0, 300.0)).unwrap();
+    session.advance(0.05).unwrap();
+    assert!(balls(&session).len() < full + 20, "those that would have come in the meantime do not");
+    play(&mut session);
+    assert!(balls(&session).len() > full + 50, "{full}, then {}", balls(&session).len());
+}
+
+#[test]
 fn a_reset_forgets_the_gravity_that_was_switched_off() {
     for (scene, gravity) in [("elastic", 980.0), ("gravity", 980.0)] {
         let mut session = session(scene, Solver::Exact);

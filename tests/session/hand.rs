@@ -1,7 +1,7 @@
 //! Balls in the hand: carried, flung, put down and pointed at.
 
-use carom::session::{Change, CommandError, STEP};
-use carom::{Ball, DVec2, Solver};
+use carom::session::{Change, CommandError, STEP, Session};
+use carom::{Ball, DVec2, Scene, Solver};
 
 use super::{balls, session};
 
@@ -71,6 +71,20 @@ fn a_ball_is_put_down_only_where_it_overlaps_no_other() {
     assert_eq!(placed.position(), DVec2::new(1280.0 - placed.radius(), 600.0), "walls hold it");
     assert_eq!(placed.velocity(), before[0].velocity());
     assert!(session.apply(Change::Place { ball: 0, at: DVec2::NAN }.into()).is_err());
+}
+
+#[test]
+fn a_ball_is_not_put_into_another_beside_a_wall_by_who_points_beyond_that() {
+    let text = "size = [200, 100]\n[walls]\n[pairs]\n[[ball]]\nposition = [10, 50]\nradius = 10\n\
+                [[ball]]\nposition = [150, 50]\nradius = 10\n";
+    let mut session = Session::new(&Scene::parse("two.toml", text).unwrap(), 1).unwrap();
+    session.advance(0.0).unwrap();
+    let before = balls(&session);
+    let refused = session.apply(Change::Place { ball: 1, at: DVec2::new(-100.0, 50.0) }.into());
+    assert!(matches!(refused, Err(CommandError::NoRoomHere)), "{refused:?}");
+    assert_eq!(balls(&session), before);
+    session.apply(Change::Place { ball: 1, at: DVec2::new(-100.0, 90.0) }.into()).unwrap();
+    assert_eq!(balls(&session)[1].position(), DVec2::new(10.0, 90.0));
 }
 
 #[test]

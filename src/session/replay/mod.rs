@@ -165,8 +165,10 @@ impl Replay {
 
     /// The same replay before its first frame.
     pub(crate) fn rewound(&self) -> Result<Self, SceneError> {
-        let state = State::new(&self.start.scene, self.seed)?;
-        Ok(Self { state, at: 0, refused: None, ..self.clone() })
+        let Self { seed, ref entries, .. } = *self;
+        let state = State::new(&self.start.scene, seed)?;
+        let start = Arc::clone(state.start());
+        Ok(Self { start, seed, state, entries: entries.clone(), at: 0, refused: None })
     }
 
     /// The scene that is played, as the replay wants it.

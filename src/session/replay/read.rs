@@ -34,7 +34,10 @@ pub(super) fn read(text: &str, scene: &Scene) -> Result<Read, (usize, String)> {
             let taken = read_header(keyword, text, &mut line, &mut read);
             in_header = taken.map_err(|message| (number, message))?;
         }
-        if !in_header {
+        if in_header {
+            // Its last line: what comes next may be a change of the solver, which the header has, too.
+            in_header = keyword != "start";
+        } else {
             let entry = read_entry(keyword, &mut line).map_err(|message| (number, message))?;
             line.end().map_err(|message| (number, message))?;
             read.entries.push(entry);
