@@ -7,7 +7,7 @@ use crate::simulation::Solver;
 
 /// Errors below this are drawn at it, 0 among them, px.
 const LEAST_ERROR: f64 = 1e-14;
-/// How many panels of a figure stand beside each other.
+/// How many panels of a figure stand beside each other, where there are as many.
 const COLUMNS: usize = 2;
 
 /// The problems of the diagram that stands for all.
@@ -23,8 +23,8 @@ pub(super) fn main(measured: &[(&Problem, Vec<Point>)]) -> Option<Figure> {
 
 /// The diagrams of these problems: of errors at the end, or over the whole run.
 pub(super) fn all(name: String, group: &[&(&Problem, Vec<Point>)], at_end: bool) -> Figure {
-    let panels = group.iter().map(|(problem, points)| panel(problem, points, at_end)).collect();
-    Figure { name, columns: COLUMNS, panels }
+    let panels: Vec<Panel> = group.iter().map(|(problem, points)| panel(problem, points, at_end)).collect();
+    Figure { name, columns: COLUMNS.min(panels.len()), panels }
 }
 
 /// A solver's points.
