@@ -102,12 +102,12 @@ impl Contact {
         })
     }
 
-    /// Whether a ball's way leads out of the walls, or into any other but the body at `but`. `balls` are as they are shown.
-    fn is_barred(&self, way: Way, balls: &[Ball], but: Option<usize>, left: f64) -> bool {
-        self.setting.inside(way.to, way.radius) != way.to || self.comes_into(way, balls, but, left)
+    /// Whether a ball's way leads out of the walls.
+    fn leads_out(&self, way: Way) -> bool {
+        self.setting.inside(way.to, way.radius) != way.to
     }
 
-    /// The same without the walls.
+    /// Whether a ball's way leads into any other but the body at `but`. `balls` are as they are shown.
     fn comes_into(&self, way: Way, balls: &[Ball], but: Option<usize>, left: f64) -> bool {
         let meets = |(at, (body, &id)): (usize, (&Body, &u32))| {
             // What was hit does not go straight.
@@ -146,11 +146,7 @@ impl Contact {
             return false;
         }
         let remainder = self.remainder();
-        let ways: Vec<(Way, &Ball)> =
-            remainder.iter().flat_map(|rest| new.iter().map(|ball| (rest.way(ball), ball))).collect();
-        if let Some(Remainder { left, .. }) = remainder
-            && self.are_barred(&ways, balls, left)
-        {
+        if remainder.is_some_and(|remainder| self.are_barred(new, balls, remainder)) {
             return false;
         }
         self.substeps = substeps;
@@ -160,12 +156,9 @@ impl Contact {
         self.setting.has_fixed = balls.iter().any(Ball::is_fixed);
         self.setting.jammed = any_jams(world, balls);
         for (at, ball) in new.iter().enumerate() {
-            let mut body = Body::new(ball, self.setting.kick);
-            let mut start = Start::of(ball);
-            if let (Some(remainder), Some(&(Way { to, .. }, _)), false) =
-                (remainder, ways.get(at), ball.is_fixed())
-            {
-                let velocity = remainder.last_velocity(ball);
+            let (mut body, mut start) = (Body::new(ball, self.setting.kick), Start::of(ball));
+            if let Some(remainder) = remainder.filter(|_| !ball.is_fixed()) {
+                let (to, velocity) = (remainder.way(ball).to, remainder.last_velocity(ball));
                 body.go(to, velocity, self.setting.kick);
                 start = remainder.start(ball, to, velocity);
             }
@@ -184,20 +177,22 @@ impl Contact {
     }
 
     /// Whether anything is in the way of any of these balls that are added to those that are known; `balls` are all.
-    fn are_barred(&self, added: &[(Way, &Ball)], balls: &[Ball], left: f64) -> bool {
-        let bars = |(at, &(way, ball)): (usize, &(Way, &Ball))| {
-            let meets = |&(other, its): &(Way, &Ball)| {
+    fn are_barred(&self, added: &[Ball], balls: &[Ball], remainder: Remainder) -> bool {
+        if added.len() * balls.len() > MOST_LOOKED_AT {
+            return true;
+        }
+        let ways: Vec<Way> = added.iter().map(|ball| remainder.way(ball)).collect();
+        let bars = |(at, (&way, ball)): (usize, (&Way, &Ball))| {
+            let meets = |(other, its): (&Way, &Ball)| {
                 !(ball.is_fixed() && its.is_fixed()) && way.meets(other.radius, (other.from, other.to), 0.0)
             };
             // Fixed ones may stand in walls.
-            self.pairs && added[..at].iter().any(meets)
-                || if ball.is_fixed() {
-                    self.comes_into(way, balls, None, left)
-                } else {
-                    self.is_barred(way, balls, None, left)
-                }
+            let in_wall = !ball.is_fixed() && self.leads_out(way);
+            in_wall
+                || self.pairs && ways[..at].iter().zip(added).any(meets)
+                || self.comes_into(way, balls, None, remainder.left)
         };
-        added.len() * balls.len() > MOST_LOOKED_AT || added.iter().enumerate().any(bars)
+        ways.iter().zip(added).enumerate().any(bars)
     }
 
     /// Gives a ball the velocity that it was given from outside, if it can; `balls` are all, as they are shown.
@@ -252,7 +247,10 @@ impl Contact {
     ) -> Option<(DVec2, bool)> {
         let ball = &balls[self.ids[at] as usize];
         let way = Way { deep: if flies { SHIFT } else { 0.0 }, ..remainder.way(ball) };
-        let is_free = |to: DVec2| !self.is_barred(Way { to, ..way }, balls, Some(at), remainder.left);
+        let is_free = |to: DVec2| {
+            let way = Way { to, ..way };
+            !(self.leads_out(way) || self.comes_into(way, balls, Some(at), remainder.left))
+        };
         // Where it would have come to otherwise.
         let place = self.bodies[at].position;
         if is_free(way.to) {
