@@ -11,7 +11,7 @@ use super::ball::Ball;
 use super::grid::{Grid, touch};
 use super::impulse::{Form, canvas_impact, canvas_rebound};
 use super::world::{Pairs, World};
-use super::{Advance, Frame, Part};
+use super::{Advance, Edit, Frame, Part};
 
 /// The most balls for which comparing all pairs is cheaper than keeping a grid (measured: they draw level near 40).
 const ALL_PAIRS_MOST: usize = 40;
@@ -94,9 +94,9 @@ impl Advance for Canvas {
         seconds
     }
 
-    fn set_velocity(&mut self, _: &World, _: &[Ball], _: usize) -> bool {
+    fn take_up(&mut self, _: &World, _: &[Ball], edit: Edit) -> bool {
         // It remembers no velocities.
-        true
+        matches!(edit, Edit::Thrown(_))
     }
 
     fn parts(&self, world: &World) -> Vec<Part> {

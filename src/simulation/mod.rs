@@ -34,7 +34,7 @@ pub(crate) use fit::within;
 use fit::{check_fit, jams};
 use limits::{DEFAULT_REST_SPEED, DELTA, MAX_THREADS, OutOfRange, REST_SPEED, SUBSTEPS};
 use separate::{bring_in, bring_strays_in};
-use solver::{Advance, Frame, Tuning};
+use solver::{Advance, Edit, Frame, Tuning};
 pub use solver::{Part, Solver, UnknownSolver};
 pub use tally::Tally;
 pub use world::{Pairs, World};
@@ -255,8 +255,10 @@ impl Simulation {
         self.balls.extend_from_slice(balls);
         self.touching.resize(self.balls.len(), false);
         let moved = bring_strays_in(&self.world, &mut self.balls, self.solver);
-        if moved || !self.engine.add(&self.world, &self.balls) {
+        if moved {
             self.rebuild();
+        } else {
+            self.tell(Edit::Added);
         }
         Ok(())
     }
@@ -273,7 +275,7 @@ impl Simulation {
         }
         let ball = self.balls.remove(index);
         self.touching.remove(index);
-        self.rebuild();
+        self.tell(Edit::Removed(index));
         Some(ball)
     }
 
@@ -285,9 +287,7 @@ impl Simulation {
     pub fn set_velocity(&mut self, index: usize, velocity: DVec2) -> Result<(), OutOfRange> {
         let Some(ball) = self.balls.get_mut(index) else { return Ok(()) };
         *ball = ball.with_velocity(velocity)?;
-        if !self.engine.set_velocity(&self.world, &self.balls, index) {
-            self.rebuild();
-        }
+        self.tell(Edit::Thrown(index));
         Ok(())
     }
 
@@ -302,7 +302,7 @@ impl Simulation {
         if self.world.walls.is_some() {
             ball.position = within(ball.position, ball.radius, self.world.size);
         }
-        self.rebuild();
+        self.tell(Edit::Placed(index));
         Ok(())
     }
 
@@ -324,10 +324,11 @@ impl Simulation {
         }
         let from = self.world.size;
         self.world = self.world.with_size(size)?;
-        if self.world.walls.is_some() {
-            bring_in(&self.world, from, &mut self.balls, self.solver != Solver::Canvas);
+        let gives_way = self.solver != Solver::Canvas;
+        let moved = self.world.walls.is_some() && bring_in(&self.world, from, &mut self.balls, gives_way);
+        if moved || self.world.size != from {
+            self.tell(Edit::Walls);
         }
-        self.rebuild();
         Ok(())
     }
 
@@ -336,8 +337,10 @@ impl Simulation {
     /// # Errors
     /// [`OutOfRange`] where a component is not in the range of gravity; nothing has changed then.
     pub fn set_gravity(&mut self, gravity: DVec2) -> Result<(), OutOfRange> {
-        self.world = self.world.with_gravity(gravity)?;
-        self.rebuild();
+        let world = self.world.with_gravity(gravity)?;
+        if std::mem::replace(&mut self.world, world) != world {
+            self.tell(Edit::Gravity);
+        }
         Ok(())
     }
 
@@ -347,6 +350,13 @@ impl Simulation {
         self.solver = solver;
         bring_strays_in(&self.world, &mut self.balls, solver);
         self.rebuild();
+    }
+
+    /// Tells the solver what was done, or makes it anew where it can't take that up.
+    fn tell(&mut self, edit: Edit) {
+        if !self.engine.take_up(&self.world, &self.balls, edit) {
+            self.rebuild();
+        }
     }
 
     fn rebuild(&mut self) {

@@ -43,12 +43,13 @@ const ROOMY: f64 = 0.5;
 const PAIRS: usize = 32;
 
 /// Brings balls into a world whose walls were those of a world of another size, and, where that `gives_way`, what they are
-/// pushed into out of their way, as far as there is room.
-pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool) {
+/// pushed into out of their way, as far as there is room; whether any was moved.
+pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool) -> bool {
     let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
     let gives_way = gives_way && world.pairs == Some(Pairs::Impulse) && has_room(world, balls);
     let far = if gives_way { (from - world.size).max_element() / smallest } else { 0.0 };
     let steps = far.ceil().clamp(1.0, STEPS) as u32;
+    let mut moved = false;
     for step in 1..=steps {
         let size = from.lerp(world.size, f64::from(step) / f64::from(steps)).max(world.size);
         let world = World { size, ..*world };
@@ -58,10 +59,12 @@ pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way
             pushed |= inside != ball.position;
             ball.position = inside;
         }
+        moved |= pushed;
         if pushed && gives_way {
             take_apart_in(&world, balls, if step == steps { most_sweeps(balls) } else { SWEEPS_OF_STEP });
         }
     }
+    moved
 }
 
 /// Brings balls that stand outside of the walls in, as if these had come from beyond them, and returns whether there are any.

@@ -57,25 +57,36 @@ pub(super) struct Tuning {
     pub(super) threads: u32,
 }
 
+/// What is done to a simulation from outside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Edit {
+    /// Balls were added after those that were there.
+    Added,
+    /// The ball of this index was taken away: those after it have moved up.
+    Removed(usize),
+    /// That of this index was given another velocity ...
+    Thrown(usize),
+    /// ... or another place.
+    Placed(usize),
+    /// There is another gravity.
+    Gravity,
+    /// Walls were moved, and may have moved balls.
+    Walls,
+}
+
 /// What a solver is: something that moves a frame's balls on.
 ///
 /// A solver is made for one world and one set of balls, and decides then which of its parts run; whoever changes
-/// either makes it anew. It keeps what it needs between frames, and leaves in `frame` what is to be shown.
+/// either tells it so ([`Edit`]), or makes it anew. It keeps what it needs between frames, and leaves in `frame` what is to be shown.
 pub(super) trait Advance: fmt::Debug + Send + Sync {
     /// Moves on by up to `seconds`, which is finite and not negative, and returns the seconds that it has moved on:
     /// less than asked for only where `go_on` said no. `go_on` is asked now and then where the work may be long, and
     /// not before some of it is done, so that every call gets on. `frame` then holds the state at the time returned.
     fn advance(&mut self, frame: &mut Frame<'_>, seconds: f64, go_on: &mut dyn FnMut() -> bool) -> f64;
 
-    /// Takes up balls that were added after those that it knows, and returns whether it could; if not, it is made
-    /// anew. `balls` are all of them.
-    fn add(&mut self, _world: &World, _balls: &[Ball]) -> bool {
-        false
-    }
-
-    /// Takes up the velocity that the ball of this index was given from outside, and returns whether it could; if not, it
-    /// is made anew. `balls` are all of them.
-    fn set_velocity(&mut self, _world: &World, _balls: &[Ball], _index: usize) -> bool {
+    /// Takes up what was done from outside, and returns whether it could; if not, it is made anew. The world and the balls are as
+    /// they are after that.
+    fn take_up(&mut self, _world: &World, _balls: &[Ball], _edit: Edit) -> bool {
         false
     }
 

@@ -3,7 +3,7 @@
 use super::super::ball::Ball;
 use super::super::clock::Clock;
 use super::super::world::World;
-use super::super::{Advance, Frame, Part};
+use super::super::{Advance, Edit, Frame, Part};
 use super::Contact;
 use super::layout::Layout;
 use super::team::Team;
@@ -66,12 +66,15 @@ impl Advance for Contact {
         }
     }
 
-    fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
-        self.take_up(world, balls)
-    }
-
-    fn set_velocity(&mut self, _: &World, balls: &[Ball], index: usize) -> bool {
-        self.throw(balls, index)
+    fn take_up(&mut self, world: &World, balls: &[Ball], edit: Edit) -> bool {
+        match edit {
+            Edit::Added => self.add(world, balls),
+            Edit::Removed(index) => self.remove(world, balls, index),
+            Edit::Thrown(index) => self.throw(balls, index),
+            Edit::Placed(index) => self.place(balls, index),
+            Edit::Gravity => self.change_gravity(world, balls),
+            Edit::Walls => self.move_walls(world, balls),
+        }
     }
 
     fn substeps(&self) -> Option<[u32; 2]> {

@@ -12,11 +12,9 @@ use super::super::ball::Ball;
 use super::super::world::World;
 use super::body::Body;
 use super::fates::Fate;
-use super::show::{Held, Start};
+use super::show::Start;
 use super::sleep::Rest;
-use super::unlike::Crush;
-use super::wall_support::any_jams;
-use super::{Contact, SHIFT, can_rest, has_pairs};
+use super::{Contact, SHIFT};
 
 /// A thrown ball that something is in the way of stays where it would have come to, unless that is more than this part of its radius
 /// from where it comes to now: it is in no other there.
@@ -29,26 +27,26 @@ const ROUNDING: f64 = 1e-9;
 
 /// The rest of the substep that a frame ends in.
 #[derive(Debug, Clone, Copy)]
-struct Remainder {
+pub(super) struct Remainder {
     /// How much of it is over, and how much is left, s.
     over: f64,
-    left: f64,
+    pub(super) left: f64,
     gravity: DVec2,
 }
 
 /// A way of a ball through what is left of a substep.
 #[derive(Debug, Clone, Copy)]
-struct Way {
+pub(super) struct Way {
     radius: f64,
     from: DVec2,
-    to: DVec2,
+    pub(super) to: DVec2,
     /// How deep it may come to lie in others, as a part of the smaller radius: none at all where others hold it now.
     deep: f64,
 }
 
 impl Remainder {
     /// That of a ball that flies, or stands where it is fixed.
-    fn way(self, ball: &Ball) -> Way {
+    pub(super) fn way(self, ball: &Ball) -> Way {
         let Self { left, gravity, .. } = self;
         let flown = (ball.velocity + 0.5 * gravity * left) * left;
         let to = if ball.is_fixed() { ball.position } else { ball.position + flown };
@@ -56,16 +54,17 @@ impl Remainder {
     }
 
     /// The velocity at its end of a ball that flies, px/s.
-    fn last_velocity(self, ball: &Ball) -> DVec2 {
+    pub(super) fn last_velocity(self, ball: &Ball) -> DVec2 {
         ball.velocity + self.gravity * self.left
     }
 
-    /// Where the substep would have begun for a ball that is shown as it is, and comes to this place with this velocity at its end.
-    fn start(self, ball: &Ball, to: DVec2, velocity: DVec2) -> Start {
+    /// Where the substep would have begun for a ball that is shown as it is, and comes to this place with this velocity at its end;
+    /// whether it `flies` there.
+    pub(super) fn start(self, ball: &Ball, (to, velocity): (DVec2, DVec2), flies: bool) -> Start {
         let Self { over, left, gravity } = self;
         let share = over / (over + left);
         // What nothing holds is shown so much above the straight line.
-        let bent = 0.5 * over * left * gravity;
+        let bent = if flies { 0.5 * over * left * gravity } else { DVec2::ZERO };
         let position = (ball.position + bent - share * to) / (1.0 - share);
         Start::going(position, (ball.velocity - share * velocity) / (1.0 - share))
     }
@@ -87,7 +86,7 @@ impl Way {
 
 impl Contact {
     /// What is left of the substep that is shown, where it is not over.
-    fn remainder(&mut self) -> Option<Remainder> {
+    pub(super) fn remainder(&mut self) -> Option<Remainder> {
         if self.before.is_empty() && self.all_asleep {
             // They have slept through it, and nothing told of it yet.
             self.course.fates.fill(Fate::default());
@@ -103,12 +102,12 @@ impl Contact {
     }
 
     /// Whether a ball's way leads out of the walls.
-    fn leads_out(&self, way: Way) -> bool {
+    pub(super) fn leads_out(&self, way: Way) -> bool {
         self.setting.inside(way.to, way.radius) != way.to
     }
 
     /// Whether a ball's way leads into any other but the body at `but`. `balls` are as they are shown.
-    fn comes_into(&self, way: Way, balls: &[Ball], but: Option<usize>, left: f64) -> bool {
+    pub(super) fn comes_into(&self, way: Way, balls: &[Ball], but: Option<usize>, left: f64) -> bool {
         let meets = |(at, (body, &id)): (usize, (&Body, &u32))| {
             // What was hit does not go straight.
             let speed = || body.velocity.length().max(self.before[at].velocity.length());
@@ -119,7 +118,7 @@ impl Contact {
     }
 
     /// Whether a body was hit firmly, or may have been, after what is shown: what it hit then would be hit by nothing if it were thrown.
-    fn is_hit_later(&self, at: usize) -> bool {
+    pub(super) fn is_hit_later(&self, at: usize) -> bool {
         if !self.course.was_hit(at) {
             return false;
         }
@@ -133,34 +132,20 @@ impl Contact {
     }
 
     /// Takes up balls that were added after those that are known, if it can; `balls` are all.
-    pub(super) fn take_up(&mut self, world: &World, balls: &[Ball]) -> bool {
-        let tuning = self.tuning;
+    pub(super) fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
         let known = self.bodies.len();
         let new = &balls[known..];
-        let Some(substeps) = self.substeps.with(world, balls, tuning) else { return false };
-        if has_pairs(world, balls) != self.pairs
-            || can_rest(world, balls) != self.setting.can_rest
-            || self.shown.is_some()
-            || self.any_sleeps_in(new)
-        {
-            return false;
-        }
         let remainder = self.remainder();
-        if remainder.is_some_and(|remainder| self.are_barred(new, balls, remainder)) {
+        let barred = remainder.is_some_and(|remainder| self.are_barred(new, balls, remainder));
+        if barred || self.any_sleeps_in(new) || !self.adapt(world, balls) {
             return false;
         }
-        self.substeps = substeps;
-        self.setting.firm = substeps.firm(self.setting.kick);
-        self.setting.crush = Crush::among(balls);
-        self.setting.softness = substeps.softness(self.setting.crush);
-        self.setting.has_fixed = balls.iter().any(Ball::is_fixed);
-        self.setting.jammed = any_jams(world, balls);
         for (at, ball) in new.iter().enumerate() {
             let (mut body, mut start) = (Body::new(ball, self.setting.kick), Start::of(ball));
             if let Some(remainder) = remainder.filter(|_| !ball.is_fixed()) {
                 let (to, velocity) = (remainder.way(ball).to, remainder.last_velocity(ball));
                 body.go(to, velocity, self.setting.kick);
-                start = remainder.start(ball, to, velocity);
+                start = remainder.start(ball, (to, velocity), true);
             }
             self.bodies.push(body);
             self.rests.push(Rest::new(&body));
@@ -202,7 +187,7 @@ impl Contact {
             // Nothing moves it.
             return true;
         }
-        let Some(at) = self.ids.iter().position(|&id| id as usize == index) else { return false };
+        let Some(at) = self.body_of(index) else { return false };
         let kick = self.setting.kick;
         let place = self.bodies[at].position;
         let Some(remainder) = self.remainder() else {
@@ -220,19 +205,15 @@ impl Contact {
         // What others hold does not fall.
         let velocity = if flies || is_flown { remainder.last_velocity(ball) } else { ball.velocity };
         self.bodies[at].go(to, velocity, kick);
-        self.before[at] = Start { is_let_go: !(flies || is_flown), ..remainder.start(ball, to, velocity) };
-        // Nothing of what it did in this substep, nor of what held it, counts any more.
-        if let Some(fate) = self.course.fates.get_mut(at) {
-            *fate = Fate::default();
-        }
-        if let Some(held) = self.held.get_mut(at) {
-            *held = Held::default();
-        }
+        self.before[at] =
+            Start { is_let_go: !(flies || is_flown), ..remainder.start(ball, (to, velocity), true) };
+        self.forget_course_of(at);
         let Self { near, bodies, setting, .. } = self;
         // After others were added, all are covered by the next search. Here pairs are linked, since it was freed.
         if let Some(near) = near.as_mut().filter(|near| near.homes.len() == bodies.len()) {
             near.cover_way(at, (to, to), bodies, setting);
         }
+        self.show_again(balls);
         true
     }
 
@@ -263,7 +244,7 @@ impl Contact {
     }
 
     /// Whether nothing holds any ball, nor any sleeps: to make the solver anew changes nothing then.
-    fn is_loose(&self) -> bool {
+    pub(super) fn is_loose(&self) -> bool {
         !(self.held.iter().any(|held| held.any()) || self.rests.iter().any(|rest| rest.asleep))
     }
 }

@@ -65,9 +65,20 @@ impl Near {
         let places =
             if self.searches % SEARCHES_PER_ORDER == 1 { self.put_in_order(&mut cargo) } else { None };
         self.searches += 1;
+        self.search_after(places.as_deref(), &cargo, setting, team);
+    }
+
+    /// The same after bodies came to these places in their order, where that is another now.
+    pub(super) fn search_after(
+        &mut self,
+        places: Option<&[u32]>,
+        cargo: &Cargo<'_>,
+        setting: &Setting,
+        team: &Team,
+    ) {
         self.moved = 0;
         let bodies: &[Body] = cargo.bodies;
-        self.keep(Layout::of(bodies.len()), places.as_deref());
+        self.keep(Layout::of(bodies.len()), places);
         clear_all(&mut self.stripes, self.layout, bodies.len());
         self.crossing.clear();
         self.crossing.resize(bodies.len(), Layer::Own);

@@ -75,6 +75,13 @@ impl Legs {
         self.noted = noted;
     }
 
+    /// Forgets a body that is taken away: those after it move up. Then legs are to be looked up again.
+    pub(super) fn forget(&mut self, at: usize) {
+        let at = at as u32;
+        self.list.retain(|leg| leg.body != at);
+        self.list.iter_mut().filter(|leg| leg.body > at).for_each(|leg| leg.body -= 1);
+    }
+
     /// Finds out on which each of so many bodies is at this time: the last noted of those that have begun. What was noted
     /// before an impact was taken back, and has begun, comes before what goes on instead, which has begun, too.
     pub(super) fn look_up(&mut self, bodies: usize, time: f64) {

@@ -21,7 +21,8 @@
 //! 6. those of a row along a wall that has no room for them are moved off it, with what energy that takes (`rows`);
 //! 7. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
 //!
-//! Where nothing presses, events take their place (`handover`). Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
+//! Where nothing presses, events take their place (`handover`). What is done from outside is taken up between substeps, or
+//! within one (`edits`, `changes`). Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
 //! `legs`).
 //!
 //! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`); passes
@@ -35,6 +36,7 @@ mod barred;
 mod body;
 mod carry;
 mod centre;
+mod changes;
 mod common;
 mod constraints;
 mod cover;

@@ -46,6 +46,25 @@ impl Parting {
         }
     }
 
+    /// Looks for those of these numbers, too, which were put elsewhere.
+    pub(super) fn put(&mut self, ids: impl IntoIterator<Item = u32>) {
+        let mut ids = ids.into_iter().peekable();
+        if ids.peek().is_none() {
+            return;
+        }
+        self.begin_again(u32::MAX);
+        self.known.extend(ids);
+        self.known.sort_unstable();
+        self.known.dedup();
+    }
+
+    /// Forgets the one of this number, which is taken away: those after it move up.
+    pub(super) fn forget(&mut self, gone: u32) {
+        self.first = self.first.map(|first| first - u32::from(first > gone && first < u32::MAX));
+        self.known.retain(|&id| id != gone);
+        self.known.iter_mut().filter(|id| **id > gone).for_each(|id| *id -= 1);
+    }
+
     /// Whether any balls lie deep in each other since they were put somewhere.
     pub(super) fn goes_on(&self) -> bool {
         !self.deep.is_empty()
@@ -109,7 +128,6 @@ impl Contact {
 mod tests {
     use glam::DVec2;
 
-    use super::super::super::Advance;
     use super::super::super::ball::Ball;
     use super::super::super::world::{Pairs, World};
     use super::super::testing::TUNING;

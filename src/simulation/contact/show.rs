@@ -141,6 +141,13 @@ impl Contact {
         }
     }
 
+    /// Finds out on which legs bodies are after this share of the last substep, where a frame ends in it.
+    pub(super) fn look_up_legs(&mut self, share: f64) {
+        if !self.before.is_empty() {
+            self.course.legs.look_up(self.bodies.len(), share * self.setting.substep);
+        }
+    }
+
     /// Whether nothing but gravity and impacts moved a body in the substep that is over.
     pub(super) fn flies(&self, at: usize) -> bool {
         let body = &self.bodies[at];
@@ -149,7 +156,7 @@ impl Contact {
 
     /// A body's position and velocity at the end of the last substep, or after this share of it.
     #[inline]
-    fn seen(&self, at: usize, share: f64) -> (DVec2, DVec2) {
+    pub(super) fn seen(&self, at: usize, share: f64) -> (DVec2, DVec2) {
         let end = (self.bodies[at].position, self.velocity_between(at));
         let Some(start) = self.before.get(at) else { return end };
         let line = || (start.position.lerp(end.0, share), start.velocity.lerp(end.1, share));
@@ -198,9 +205,7 @@ impl Contact {
             *hit |= held.by_others;
         }
         self.find_held_by_walls();
-        if !self.before.is_empty() {
-            self.course.legs.look_up(self.bodies.len(), share * self.setting.substep);
-        }
+        self.look_up_legs(share);
         // Bodies are read out of their order: that costs less than to write balls out of theirs.
         let mut places = std::mem::take(&mut self.places);
         places.resize(self.ids.len(), 0);

@@ -123,6 +123,11 @@ impl Substeps {
         self.count >= MOST
     }
 
+    /// Whether what is to sleep is so deep that all are short.
+    pub(super) fn is_deep(&self) -> bool {
+        self.deep
+    }
+
     /// Whether they always are.
     fn are_all_short(&self) -> bool {
         self.of_one_size || self.deep
@@ -195,7 +200,7 @@ impl Setting {
             can_rest: can_rest(world, balls),
             has_fixed,
             jammed: any_jams(world, balls),
-            flat_under_sleeper: (!substeps.deep).then_some(FLAT_UNDER_SLEEPER),
+            flat_under_sleeper: (!substeps.is_deep()).then_some(FLAT_UNDER_SLEEPER),
             grounded: has_fixed || world.walls.is_some(),
             common: DVec2::ZERO,
             firm: 0.0,

@@ -59,6 +59,14 @@ impl Course {
     pub(super) fn was_hit(&self, body: usize) -> bool {
         self.fates.get(body).is_some_and(|fate| fate.hits > 0)
     }
+
+    /// Forgets a body that is taken away: those after it move up.
+    pub(super) fn forget(&mut self, body: usize) {
+        if body < self.fates.len() {
+            self.fates.remove(body);
+        }
+        self.legs.forget(body);
+    }
 }
 
 impl Contact {

@@ -17,7 +17,7 @@ use super::flight::DEEP;
 use super::grid::Grid;
 use super::invariants::{free, max_overlap};
 use super::separate::take_apart;
-use super::solver::{Advance, Frame, Part, Tuning};
+use super::solver::{Advance, Edit, Frame, Part, Tuning};
 use super::world::{Pairs, World};
 
 /// Balls that fall, and overlap by more than this part of a radius at the beginning, are left to substeps.
@@ -209,17 +209,10 @@ impl Advance for Hybrid {
         }
     }
 
-    fn add(&mut self, world: &World, balls: &[Ball]) -> bool {
+    fn take_up(&mut self, world: &World, balls: &[Ball], edit: Edit) -> bool {
         match &mut self.way {
             Way::Events(_) => self.begin_anew(world, balls),
-            Way::Substeps(contact) => contact.add(world, balls),
-        }
-    }
-
-    fn set_velocity(&mut self, world: &World, balls: &[Ball], index: usize) -> bool {
-        match &mut self.way {
-            Way::Events(_) => self.begin_anew(world, balls),
-            Way::Substeps(contact) => contact.set_velocity(world, balls, index),
+            Way::Substeps(contact) => contact.take_up(world, balls, edit),
         }
     }
 
