@@ -3,6 +3,7 @@
 
 mod crowds;
 mod elastic;
+mod fits;
 mod overlaps;
 mod piles;
 mod pockets;

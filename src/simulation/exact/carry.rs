@@ -27,7 +27,8 @@ use super::{Exact, Needs};
 
 /// Steps while a hop at the rest speed lasts: what is carried hops at half of it.
 const STEPS_PER_HOP: f64 = 2.0;
-/// Groups of so many at least are carried. Few have few impacts, which are right one by one.
+/// Groups of so many at least are carried. Few have few impacts, which are right one by one, but for those
+/// that hits come to without end: where balls fit between walls to the last digit.
 const FEWEST: usize = 24;
 /// Groups in which one ball has so many times the mass of another are not: the velocities would not be found well enough.
 const UNLIKE: f64 = 1000.0;
@@ -156,6 +157,15 @@ impl Exact {
         if square == 0.0 { mean } else { mean * (1.0 + gained / square).max(0.0).sqrt() }
     }
 
+    /// The velocity of the flight of a ball that has this one, and is carried from now on, so long after the middle of a step: what
+    /// [`true_velocity`](Self::true_velocity) makes that one of again.
+    pub(super) fn carried_velocity(&self, velocity: DVec2, since_middle: f64) -> DVec2 {
+        let direction = velocity.normalize_or_zero();
+        let along = since_middle * self.gravity.dot(direction);
+        let mean = (along * along + velocity.length_squared()).sqrt() - along;
+        direction * mean + self.gravity * since_middle
+    }
+
     /// Position and velocity of a ball now, where that of one that is carried is the one that it has.
     pub(super) fn true_state<N: Needs>(&self, slot: usize, now: f64) -> (DVec2, DVec2) {
         let (position, velocity) = self.state::<N>(slot, now);
@@ -168,11 +178,14 @@ impl Exact {
 
     /// Whether a group that does not come to rest at once is carried. Without room its balls would not find velocities.
     pub(super) fn may_be_carried(&self, group: &Group) -> bool {
-        let carried = |member: &Member| self.marks[member.slot].has(Marks::GOES_ALONG);
+        let goes_on = |member: &Member| {
+            let marks = self.marks[member.slot];
+            marks.has(Marks::GOES_ALONG) || marks.is_in_storm()
+        };
         self.gravity != DVec2::ZERO
             && !self.is_crammed()
             && group.absorbs
-            && (group.members.len() >= FEWEST || group.members.iter().any(carried))
+            && (group.members.len() >= FEWEST || group.members.iter().any(goes_on))
             && !group.members.iter().any(|member| member.deep)
             && group.most_unlike() <= UNLIKE
             && group.contacts.iter().any(|contact| contact.against != Support::Wall)

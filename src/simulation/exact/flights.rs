@@ -138,7 +138,8 @@ pub(super) enum Way {
 /// - 16: [`CARRIED`](Self::CARRIED);
 /// - 17 to 20: [`hits_in_step`](Self::hits_in_step);
 /// - 21: [`TIGHT`](Self::TIGHT);
-/// - 22, 23 and 24: [`WAITS`](Self::WAITS), [`AMONG_MANY`](Self::AMONG_MANY) and [`STRAIGHT`](Self::STRAIGHT).
+/// - 22, 23 and 24: [`WAITS`](Self::WAITS), [`AMONG_MANY`](Self::AMONG_MANY) and [`STRAIGHT`](Self::STRAIGHT);
+/// - 25 to 31: the impacts of a [`storm`](Self::storm).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Marks(u32);
 
@@ -169,6 +170,8 @@ impl Marks {
     const MOST_QUICK: u32 = 15;
     /// As many hits in a step as are counted, in four bits.
     const MOST_IN_STEP: u32 = 15;
+    /// As many hits in a storm as are counted, in seven bits.
+    const STORM: u32 = 127;
     /// As much chatter as is counted, in four bits.
     pub(super) const MOST_CHATTER: u32 = 15;
 
@@ -235,11 +238,24 @@ impl Marks {
         self.0 &= !(Self::MOST_QUICK << 8);
     }
 
-    /// Notes an impact, soon after the one before or not.
+    /// How many impacts it has had in a row that followed each other at once, up to [`STORM`](Self::STORM).
     #[inline]
-    pub(super) fn strike(&mut self, soon: bool) {
+    fn storm(self) -> u32 {
+        self.0 >> 25
+    }
+
+    /// Whether so many have that this may have no end.
+    pub(super) fn is_in_storm(self) -> bool {
+        self.storm() == Self::STORM
+    }
+
+    /// Notes an impact, soon after the one before, or at once after it, or not.
+    #[inline]
+    pub(super) fn strike(&mut self, soon: bool, at_once: bool) {
         let hits = if soon { (self.quick_hits() + 1).min(Self::MOST_QUICK) } else { 0 };
-        self.0 = self.0 & !(Self::MOST_QUICK << 8) | hits << 8 | Self::STRUCK.0;
+        let storm = if at_once { (self.storm() + 1).min(Self::STORM) } else { 0 };
+        self.0 =
+            self.0 & !(Self::MOST_QUICK << 8 | Self::STORM << 25) | hits << 8 | storm << 25 | Self::STRUCK.0;
         if (1..Self::MOST_IN_STEP).contains(&self.hits_in_step()) {
             self.0 += 1 << 17;
         }

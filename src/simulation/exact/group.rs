@@ -158,17 +158,19 @@ impl Group {
     }
 
     /// The momentum that walls gave members that have these velocities now, where so much of what the contacts push came of it:
-    /// all that they have more, but for what immovable ones gave. Where there is no room, what walls push against each other has no
-    /// bounds.
+    /// all that they have more, but for what immovable ones gave. Where there is no room, what these and walls push against each other has
+    /// no bounds: of that no more counts than what all members' velocities have changed by.
     pub(super) fn by_walls(&self, velocities: &[DVec2], contacts: &[Contact], part: f64) -> DVec2 {
         if contacts.iter().all(|contact| contact.against != Support::Wall) {
             return DVec2::ZERO;
         }
-        let immovable = contacts.iter().filter(|contact| matches!(contact.against, Support::Immovable(_)));
-        let by_those: DVec2 = immovable.map(|contact| contact.normal * (contact.push * part)).sum();
         let each = velocities.iter().zip(&self.velocities).zip(&self.inverse_masses);
-        let given: DVec2 =
-            each.map(|((after, before), inverse_mass)| (*after - *before) / *inverse_mass).sum();
+        let (given, most) = each
+            .map(|((after, before), inverse_mass)| (*after - *before) / *inverse_mass)
+            .fold((DVec2::ZERO, 0.0), |(given, most), change| (given + change, most + change.length()));
+        let immovable = contacts.iter().filter(|contact| matches!(contact.against, Support::Immovable(_)));
+        let by_those: DVec2 =
+            immovable.map(|contact| contact.normal * (contact.push * part).clamp(-most, most)).sum();
         given - by_those
     }
 

@@ -38,6 +38,9 @@ pub(super) const QUICK: u32 = 8;
 /// Balls that are wedged in are stopped all at once, with those that they touch, in one of so many events: impact by impact, a heavy
 /// one would take as many to stop on a light one as it is times as heavy.
 const STOPPED: usize = 64;
+/// Impacts that follow each other sooner than in this part of chatter's time are a storm, where there are many in a row: what lies
+/// on others is hit by each of them once or twice in that time.
+const STORM: f64 = 1.0 / 64.0;
 /// The demo's gravity, px/s²: the rest speed is meant for it, and where there is none it sets chatter's time scale.
 pub(super) const EARTH: f64 = 980.0;
 /// A ball that hits a wall is as near to it as this part of the world's size. One that is not began beyond it, and
@@ -121,8 +124,10 @@ impl Exact {
     /// Begins a new flight of a ball with an impact.
     #[inline]
     pub(super) fn set_out(&mut self, slot: usize, (position, velocity): (DVec2, DVec2), now: f64) {
-        let soon = self.marks[slot].has(Marks::STRUCK) && now - self.flights[slot].time < self.chatter_time;
-        self.marks[slot].strike(soon);
+        let since = now - self.flights[slot].time;
+        let is_within = |time: f64| self.marks[slot].has(Marks::STRUCK) && since < time;
+        let (soon, at_once) = (is_within(self.chatter_time), is_within(STORM * self.chatter_time));
+        self.marks[slot].strike(soon, at_once);
         let flight = &mut self.flights[slot];
         (flight.position, flight.velocity, flight.time) = (position, velocity, now);
     }

@@ -141,7 +141,7 @@ impl Exact {
             }
             let mut velocity = if stays { DVec2::ZERO } else { self.lift_off(slot, velocity) };
             if carry && !stays && self.marks[slot].rests() == 0 {
-                velocity += self.gravity * self.since_middle(now);
+                velocity = self.carried_velocity(velocity, self.since_middle(now));
             }
             self.set_out(slot, (position, velocity), now);
             self.marks[slot].go(match (stays, carry) {
