@@ -77,6 +77,9 @@ pub struct Session {
     pace: Pace,
     /// Simulated seconds of the tape that are due, where it is played again; negative where it is ahead, s.
     due: f64,
+    /// Simulated seconds that are still to be gone back, while one rewinds; negative where that is ahead, s. It ends with the
+    /// rewinding: time that runs on begins where that came to.
+    back: f64,
     /// What was asked for and takes longer than a frame.
     work: Option<Work>,
 }
@@ -99,6 +102,7 @@ impl Session {
             time_scale: 1.0,
             pace: Pace::default(),
             due: 0.0,
+            back: 0.0,
             work: None,
         })
     }
@@ -206,6 +210,7 @@ impl Session {
         mut go_on: impl FnMut() -> bool,
     ) -> Result<(), crate::OutOfRange> {
         let measured = crate::simulation::limits::DELTA.check(measured)?.min(LONGEST_FRAME);
+        self.back = 0.0;
         if self.is_working() {
             return Ok(());
         }

@@ -259,3 +259,40 @@ fn gravity_is_tilted_no_further_than_its_range() {
     assert!(session.apply(Change::TiltGravity(DVec2::new(f64::NAN, 0.0)).into()).is_err());
     assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(GRAVITY.low, GRAVITY.high)));
 }
+
+#[test]
+fn time_runs_on_at_once_after_a_rewind_that_did_not_keep_up() {
+    for scale in [1.0 / 64.0, 1.0, 16.0] {
+        let mut session = session("elastic");
+        session.set_time_scale(16.0);
+        (0..60).for_each(|_| session.advance(STEP).unwrap());
+        // There is time for hardly more than a frame of those that were played in each.
+        while session.seconds_ago() < 10.0 {
+            let mut looks = 0;
+            session.rewind_while(LONGEST_FRAME, || {
+                looks += 1;
+                looks < 2
+            });
+        }
+        let ago = session.seconds_ago();
+        session.set_time_scale(scale);
+        session.advance(STEP).unwrap();
+        assert!(session.seconds_ago() < ago, "at {scale}, time stands still");
+    }
+}
+
+#[test]
+fn what_there_was_no_time_to_go_back_is_not_gone_back_later() {
+    let mut session = session("elastic");
+    (0..600).for_each(|_| session.advance(STEP).unwrap());
+    while session.seconds_ago() < 1.0 {
+        let mut looks = 0;
+        session.rewind_while(LONGEST_FRAME, || {
+            looks += 1;
+            looks < 2
+        });
+    }
+    let ago = session.seconds_ago();
+    session.rewind(STEP);
+    assert!(session.seconds_ago() - ago < 3.0 * STEP, "{} s more", session.seconds_ago() - ago);
+}
