@@ -103,11 +103,12 @@ impl Session {
 
     /// While paused: steps to just after the next impact, or by a frame where that cannot be known.
     pub(super) fn step_to_impact(&mut self) {
-        if !self.is_paused() || self.simulation().solver() != Solver::Exact || self.is_in_the_past() {
+        let in_the_past = self.is_in_the_past() || self.between.is_some();
+        if !self.is_paused() || self.state.solver() != Solver::Exact || in_the_past {
             self.step(STEP);
         } else if self.steps.is_empty() {
             // One at a time: where the next step begins is not known before the last has been taken.
-            self.work = Some(Work::Impact(Box::new(Search::new(self.simulation()))));
+            self.work = Some(Work::Impact(Box::new(Search::new(&self.state.simulation))));
         }
     }
 
@@ -123,6 +124,7 @@ impl Session {
                         self.back -= self.tape.left() - left;
                     }
                     self.state = way.state;
+                    self.between = None;
                     self.steps.clear();
                     self.pace = Pace::default();
                 } else {
