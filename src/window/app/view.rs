@@ -94,7 +94,8 @@ impl App {
             hand: self.hand(now),
             gravity: gravity.then(|| session.simulation().world().gravity().unwrap_or_default()),
             figures: None,
-            past: words::past(session, self.rewinding != Rewinding::No).filter(|_| !self.options.quiet),
+            past: words::past(session, self.rewinding != Rewinding::No, room.picture / room.scale)
+                .filter(|_| !self.options.quiet),
             sheet,
             page,
             recording: recorder.map(|_| now.saturating_duration_since(self.recording_since).as_secs()),
