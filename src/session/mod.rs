@@ -169,11 +169,18 @@ impl Session {
         !self.paused || !self.steps.is_empty() || self.is_working()
     }
 
-    /// Whether frames were cut short, so that time runs slower than it should. Stays so until a second of frames has
-    /// gone through whole, or until something else is played: another scene, another solver, the scene from its start.
+    /// Whether so many frames were cut short that time runs slower than it should: more than a tenth of the last second of
+    /// frames was lost. Stays so until hardly any is, or until something else is played: another scene, another solver, the
+    /// scene from its start.
     #[must_use]
     pub fn is_behind(&self) -> bool {
         self.pace.behind
+    }
+
+    /// Where the session [is behind](Self::is_behind): the simulated seconds that there were in a measured second.
+    #[must_use]
+    pub fn speed(&self) -> Option<f64> {
+        self.pace.speed()
     }
 
     /// Simulated seconds per measured second, where the session is not behind.

@@ -69,7 +69,7 @@ fn what_was_behind_is_not_when_something_else_is_played() {
         [Command::Change(Change::Reset), Command::NextSolver, Command::NextScene, Command::Scene(3)]
     {
         let mut session = session("gravity");
-        session.pace.note(0.1, 0.1, 0.05);
+        (0..3).for_each(|_| session.pace.note(0.1, 0.1, 0.05));
         assert!(session.is_behind());
         session.apply(command).unwrap();
         assert!(!session.is_behind(), "{command:?}");

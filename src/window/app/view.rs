@@ -68,7 +68,8 @@ impl App {
     /// What is to be painted over the balls `now`, `measured` seconds after the frame before.
     pub(super) fn overlay(&mut self, room: Room, measured: f64, now: Instant) -> Overlay {
         let session = &self.session;
-        let behind = session.is_behind() && !session.is_paused() && !self.options.quiet;
+        let slow = session.is_behind() && !session.is_paused() && self.burden.is_simulating();
+        let behind = slow && !self.options.quiet;
         let sheet = if self.help {
             Some(Sheet::Help(self.help_page))
         } else {
@@ -112,6 +113,7 @@ impl App {
             scene: self.session.name(),
             simulation: self.session.simulation(),
             time_scale: self.session.time_scale(),
+            speed: self.session.speed(),
             paused: self.session.is_paused(),
             measured,
             given: self.session.given_energy(),
