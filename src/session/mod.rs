@@ -151,7 +151,7 @@ impl Session {
     }
 
     /// The energy, mass·px²/s², that the balls would have if nothing but commands and rain had changed it since the
-    /// scene began.
+    /// scene began, or since no ball was left, gravity was changed, or a hand carried a ball.
     #[must_use]
     pub fn given_energy(&self) -> f64 {
         self.shown().given()
