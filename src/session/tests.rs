@@ -361,3 +361,19 @@ fn what_is_done_between_two_frames_is_done_to_the_end_of_the_frame() {
     assert_eq!(session.simulation().time(), time);
     assert_eq!(session.seconds_ago(), 0.0);
 }
+
+#[test]
+fn a_rewind_begins_with_what_is_shown_also_between_two_frames() {
+    let mut session = session("gravity");
+    (0..40).for_each(|_| session.advance(STEP).unwrap());
+    (0..10).for_each(|_| assert!(session.rewind(STEP)));
+    let ago = session.seconds_ago();
+    session.set_time_scale(1.0 / 64.0);
+    (0..16).for_each(|_| session.advance(STEP).unwrap());
+    assert!((ago - session.seconds_ago() - STEP / 4.0).abs() < 1e-9, "{ago} s, {} s", session.seconds_ago());
+    // To the start of the frame, a quarter of it, and no further until that has passed.
+    (0..15).for_each(|_| assert!(session.rewind(STEP)));
+    assert!((session.seconds_ago() - ago).abs() < 1e-9, "{} s", session.seconds_ago());
+    (0..2).for_each(|_| assert!(session.rewind(STEP)));
+    assert!((session.seconds_ago() - ago - STEP).abs() < 1e-9, "{} s", session.seconds_ago());
+}

@@ -73,6 +73,11 @@ impl Session {
             // The time that this takes is not gone back. Going back does not fail.
             let _ = self.work_on(&mut go_on);
         } else {
+            if self.between.is_some() {
+                // What of the frame is not yet shown need not be gone back.
+                self.back += (-self.due).max(0.0);
+                self.due = 0.0;
+            }
             // What is not a number goes back by nothing.
             self.back += measured.clamp(0.0, LONGEST_FRAME).max(0.0) * self.time_scale;
         }
