@@ -1,5 +1,7 @@
-//! What happens when the program is told to end: nothing half-written stays behind.
+//! What happens when the program is told to end: a recording is finished, and nothing half-written stays behind.
 
+#[cfg(feature = "window")]
+use std::io::{self, Write};
 use std::{fs, thread};
 
 use carom::headless::discard_unfinished;
@@ -7,8 +9,9 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 
-/// From now on, a signal that ends the program removes its unfinished outputs first, lets `last_words` be said, and then
-/// ends it as ever: whoever waits for it sees which signal it was, and a shell's script stops as it should.
+/// From now on, a signal that ends the program finishes the window's recording first, removes other unfinished outputs, lets
+/// `last_words` be said, and then ends it as ever: whoever waits for it sees which signal it was, and a shell's script stops as
+/// it should.
 pub fn watch(last_words: impl FnOnce() + Send + 'static) {
     let ignored = ignored();
     let watched = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored & (1 << (signal - 1)) == 0);
@@ -16,6 +19,10 @@ pub fn watch(last_words: impl FnOnce() + Send + 'static) {
     let Ok(mut signals) = Signals::new(watched) else { return };
     thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
+            #[cfg(feature = "window")]
+            if let Some(said) = carom::window::end_recording() {
+                let _ = writeln!(io::stderr(), "carom: {said}");
+            }
             discard_unfinished();
             last_words();
             let _ = emulate_default_handler(signal);

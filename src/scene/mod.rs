@@ -77,6 +77,7 @@ pub(crate) use fill::{filling, like_the_last};
 pub use listing::Listing;
 pub use rain::Rain;
 pub use write::write;
+pub(crate) use write::write_signed;
 
 use crate::simulation::limits::MAX_BALLS;
 use crate::simulation::{Ball, Simulation, Solver, World};

@@ -26,8 +26,8 @@ use crate::simulation::{Ball, Pairs, Simulation, World};
 /// Four things are written other than they are, so that the file can be read. Coordinates and velocities that a run
 /// has taken [beyond their limits](crate::simulation::limits) become the nearest that a file may hold, which a comment
 /// at the top of the file counts. Where the world was made too small for the rain's region, the region is cut to it,
-/// and where that leaves no room for its balls, the rain is left out, which a comment says. The velocity −0 of a fixed
-/// ball is 0. Of `about` the first thousand characters are written.
+/// and where that leaves no room for its balls, the rain is left out, which a comment says. The velocity −0 is 0. Of `about`
+/// the first thousand characters are written.
 ///
 /// ```
 /// use carom::{Scene, scene};
@@ -41,13 +41,20 @@ use crate::simulation::{Ball, Pairs, Simulation, World};
 /// ```
 #[must_use]
 pub fn write(simulation: &Simulation, rain: Option<&Rain>, about: &str) -> String {
-    File { simulation, rain, about }.to_string()
+    File { simulation, rain, about, signed: false }.to_string()
+}
+
+/// The same without `about`, with −0 told from 0: what a replay knows its scene by, which is not to change.
+pub(crate) fn write_signed(simulation: &Simulation, rain: Option<&Rain>) -> String {
+    File { simulation, rain, about: "", signed: true }.to_string()
 }
 
 struct File<'a> {
     simulation: &'a Simulation,
     rain: Option<&'a Rain>,
     about: &'a str,
+    /// Whether −0 is written where a velocity is that.
+    signed: bool,
 }
 
 impl fmt::Display for File<'_> {
@@ -71,7 +78,7 @@ impl fmt::Display for File<'_> {
             write_rain(f, rain, world)?;
         }
         let wide = |ball: &Ball| world.walls().is_none() && 2.0 * ball.radius() > world.size().min_element();
-        balls.iter().try_for_each(|ball| write_ball(f, ball, wide(ball)))
+        balls.iter().try_for_each(|ball| write_ball(f, ball, wide(ball), self.signed))
     }
 }
 
@@ -91,8 +98,10 @@ fn write_world(f: &mut fmt::Formatter<'_>, world: &World) -> fmt::Result {
     }
 }
 
-fn write_ball(f: &mut fmt::Formatter<'_>, ball: &Ball, wide: bool) -> fmt::Result {
+fn write_ball(f: &mut fmt::Formatter<'_>, ball: &Ball, wide: bool, signed: bool) -> fmt::Result {
     let (position, velocity) = allowed(ball);
+    // Adding 0 makes a 0 of −0.
+    let velocity = if signed { velocity } else { velocity + DVec2::ZERO };
     writeln!(f, "\n[[ball]]\nposition = {}\nradius = {}", Pair(position), Number(ball.radius()))?;
     if ball.is_fixed() {
         writeln!(f, "fixed = true")?;
@@ -205,5 +214,27 @@ impl fmt::Display for Quoted<'_> {
             }
         }
         f.write_str("\"")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::Solver;
+
+    #[test]
+    fn a_velocity_of_minus_0_is_written_as_0_but_for_what_a_replay_knows_its_scene_by() {
+        let ball = |x, y| Ball::new(DVec2::ONE, 1.0).unwrap().with_velocity(DVec2::new(x, y)).unwrap();
+        let balls = vec![ball(-0.0, -0.0), ball(-0.0, 2.5)];
+        let simulation =
+            Simulation::new(World::new(DVec2::splat(9.0)).unwrap(), balls, Solver::Exact).unwrap();
+        let text = write(&simulation, None, "");
+        assert!(text.contains("velocity = [0, 2.5]"), "{text}");
+        assert_eq!(text.matches("velocity").count(), 1, "none where it is 0: {text}");
+        let text = write_signed(&simulation, None);
+        assert!(
+            text.contains("velocity = [-0.0, -0.0]") && text.contains("velocity = [-0.0, 2.5]"),
+            "{text}"
+        );
     }
 }

@@ -40,7 +40,9 @@ impl Session {
             Command::TogglePause => {
                 self.paused = !self.paused;
                 self.steps.clear();
-                self.due = 0.0;
+                if self.between.is_none() {
+                    self.due = 0.0;
+                }
             }
             Command::Step => self.step(STEP),
             Command::StepToImpact => self.step_to_impact(),
@@ -66,7 +68,7 @@ impl Session {
     /// replay holds.
     pub(super) fn change(&mut self, change: Change) -> Result<(), CommandError> {
         change.check()?;
-        self.due = 0.0;
+        (self.due, self.between) = (0.0, None);
         let done = self.state.apply(change);
         let entry = Entry::Change(Box::new(change));
         self.tape.add(Taken { entry, done: 0.0 }, 0.0, &self.state);

@@ -7,6 +7,7 @@
 //! - `command`, `apply`: what there is to do, and what it does;
 //! - `state`: what changes and frames move;
 //! - `tape`: what happened, and the way back;
+//! - `between`: what is shown between its frames in slow motion;
 //! - `truth`: the same balls, moved by the exact solver;
 //! - `foresight`: when balls next meet, and where a throw will go;
 //! - `replay`: a tape as a file;
@@ -15,6 +16,7 @@
 //! - `thin`: how what grows with time keeps to its room.
 
 mod apply;
+mod between;
 mod command;
 mod foresight;
 mod pace;
@@ -32,6 +34,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use between::Between;
 pub use command::{Change, Command, CommandError};
 use pace::Pace;
 pub use replay::{Refused, Replay, ReplayError};
@@ -77,6 +80,11 @@ pub struct Session {
     pace: Pace,
     /// Simulated seconds of the tape that are due, where it is played again; negative where it is ahead, s.
     due: f64,
+    /// Simulated seconds that are still to be gone back, while one rewinds; negative where that is ahead, s. It ends with the
+    /// rewinding: time that runs on begins where that came to.
+    back: f64,
+    /// What is shown where a frame of the tape is played that is not yet due to its end.
+    between: Option<Box<Between>>,
     /// What was asked for and takes longer than a frame.
     work: Option<Work>,
 }
@@ -99,6 +107,8 @@ impl Session {
             time_scale: 1.0,
             pace: Pace::default(),
             due: 0.0,
+            back: 0.0,
+            between: None,
             work: None,
         })
     }
@@ -115,30 +125,36 @@ impl Session {
         self.state.scene()
     }
 
-    /// The simulation as it is now.
+    /// The simulation as it is now. Where what was played is played again in slow motion, by `exact` or `contact`, that is a
+    /// moment between two frames; commands act on the end of the frame.
     #[must_use]
     pub fn simulation(&self) -> &Simulation {
-        &self.state.simulation
+        &self.shown().simulation
+    }
+
+    /// The state that is shown.
+    fn shown(&self) -> &State {
+        self.between.as_ref().map_or(&self.state, |between| &between.state)
     }
 
     /// The same balls moved by the exact solver, where the two are compared.
     #[must_use]
     pub fn truth(&self) -> Option<&Simulation> {
-        self.state.truth.as_ref().map(|truth| &truth.simulation)
+        self.shown().truth.as_ref().map(|truth| &truth.simulation)
     }
 
     /// How far the balls were from their places in [`truth`](Self::truth): simulated seconds since the comparison
     /// began, and the largest distance, px. Empty where nothing is compared.
     #[must_use]
     pub fn errors(&self) -> &[(f64, f64)] {
-        self.state.truth.as_ref().map_or(&[], |truth| &truth.errors)
+        self.shown().truth.as_ref().map_or(&[], |truth| &truth.errors)
     }
 
     /// The energy, mass·px²/s², that the balls would have if nothing but commands and rain had changed it since the
-    /// scene began.
+    /// scene began, or since no ball was left, gravity was changed, or a hand carried a ball.
     #[must_use]
     pub fn given_energy(&self) -> f64 {
-        self.state.given()
+        self.shown().given()
     }
 
     /// Whether time stands still.
@@ -153,11 +169,18 @@ impl Session {
         !self.paused || !self.steps.is_empty() || self.is_working()
     }
 
-    /// Whether frames were cut short, so that time runs slower than it should. Stays so until a second of frames has
-    /// gone through whole, or until something else is played: another scene, another solver, the scene from its start.
+    /// Whether so many frames were cut short that time runs slower than it should: more than a tenth of the last second of
+    /// frames was lost. Stays so until hardly any is, or until something else is played: another scene, another solver, the
+    /// scene from its start.
     #[must_use]
     pub fn is_behind(&self) -> bool {
         self.pace.behind
+    }
+
+    /// Where the session [is behind](Self::is_behind): the simulated seconds that there were in a measured second.
+    #[must_use]
+    pub fn speed(&self) -> Option<f64> {
+        self.pace.speed()
     }
 
     /// Simulated seconds per measured second, where the session is not behind.
@@ -181,7 +204,8 @@ impl Session {
     /// How long ago what is shown was, in simulated seconds.
     #[must_use]
     pub fn seconds_ago(&self) -> f64 {
-        self.tape.left()
+        let of_this_frame = self.between.as_ref().map_or(0.0, |_| -self.due);
+        self.tape.left() + of_this_frame.max(0.0)
     }
 
     /// A frame after `measured` seconds, scaled by the time scale; at most [`LONGEST_FRAME`] of them count. Nothing
@@ -206,10 +230,11 @@ impl Session {
         mut go_on: impl FnMut() -> bool,
     ) -> Result<(), crate::OutOfRange> {
         let measured = crate::simulation::limits::DELTA.check(measured)?.min(LONGEST_FRAME);
+        self.back = 0.0;
         if self.is_working() {
             return Ok(());
         }
-        if self.is_in_the_past() {
+        if self.is_in_the_past() || self.between.is_some() {
             self.play_again(measured, &mut go_on);
             Ok(())
         } else if self.state.fresh {
@@ -258,15 +283,22 @@ impl Session {
         Ok(done)
     }
 
-    /// Plays what was played before: the frames that are due, or that were asked for as single steps.
+    /// Plays what was played before: the frames that are due, or that were asked for as single steps. What is shown between
+    /// two stays while paused; the first step goes on to the end of that frame.
     fn play_again(&mut self, measured: f64, go_on: &mut dyn FnMut() -> bool) {
-        self.due = if self.paused { 0.0 } else { self.due + measured * self.time_scale };
+        let asked = measured * self.time_scale;
+        if !self.paused {
+            self.due += asked;
+        } else if self.between.is_none() || self.steps.pop_front().is_some() {
+            (self.due, self.between) = (0.0, None);
+        }
         while let Some(next) = self.tape.next() {
             let is_due = if self.paused { !self.steps.is_empty() } else { self.due >= ROUNDING };
             // A change after a frame waits for the next frame.
             if !is_due {
                 break;
             }
+            self.between = None;
             if matches!(next.entry, Entry::Frame(_)) {
                 if !self.paused && !go_on() {
                     self.due = 0.0;
@@ -274,10 +306,17 @@ impl Session {
                 }
                 self.due -= next.done;
                 self.steps.pop_front();
+                if !self.paused && self.due < -ROUNDING {
+                    self.between = Between::of(&self.state, next.done, asked);
+                }
             }
             self.tape.play(&mut self.state);
         }
-        if self.tape.next().is_none() {
+        match &mut self.between {
+            Some(between) if self.due < -ROUNDING => between.go(-self.due),
+            _ => self.between = None,
+        }
+        if self.tape.next().is_none() && self.between.is_none() {
             // What is due of the future is new.
             self.due = 0.0;
         }
@@ -324,7 +363,7 @@ impl Session {
     /// The balls as they are now, and all around them, as the text of a scene file.
     #[must_use]
     pub fn scene_file(&self) -> String {
-        scene::write(self.simulation(), self.state.rain(), self.scene().about())
+        scene::write(&self.state.simulation, self.state.rain(), self.scene().about())
     }
 
     /// What was played since the scene began, as the text of a replay; `None` where that is too long ago to be all

@@ -42,7 +42,8 @@ pub(super) struct State {
     additions: u64,
     /// What G brings back.
     gravity: DVec2,
-    /// The energy that balls had at the start and that changes have given them since, mass·px²/s².
+    /// The energy that balls had at the start and that changes have given them since, mass·px²/s²; counted anew where what came
+    /// before would hide all that comes.
     given: f64,
     /// What was played before the last reset.
     before: Played,
@@ -121,7 +122,12 @@ impl State {
 
     /// The energy that the balls would have if impacts took none, mass·px²/s².
     pub(super) fn given(&self) -> f64 {
-        self.given + self.rain.as_ref().map_or(0.0, Rain::energy)
+        self.given + self.rained()
+    }
+
+    /// The energy that rain has brought so far, mass·px²/s².
+    fn rained(&self) -> f64 {
+        self.rain.as_ref().map_or(0.0, Rain::energy)
     }
 
     /// What was played since the beginning, whatever was reset.
@@ -180,7 +186,11 @@ impl State {
             Change::Resize(size) => self.resize(size),
             Change::Compare(on) => self.compare(on),
         };
-        self.given += energy(&self.simulation) - before;
+        let after = energy(&self.simulation);
+        // A hand that drags a ball through others gives thousands of times what they have, and they take it.
+        let anew = self.simulation.balls().is_empty()
+            || matches!(change, Change::Carry { .. } | Change::ToggleGravity | Change::TiltGravity(_));
+        self.given = if anew { after - self.rained() } else { self.given + after - before };
         let makes_room = matches!(
             change,
             Change::Remove(_) | Change::RemoveLast | Change::Place { .. } | Change::Resize(_)

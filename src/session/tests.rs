@@ -69,7 +69,7 @@ fn what_was_behind_is_not_when_something_else_is_played() {
         [Command::Change(Change::Reset), Command::NextSolver, Command::NextScene, Command::Scene(3)]
     {
         let mut session = session("gravity");
-        session.pace.note(0.1, 0.1, 0.05);
+        (0..3).for_each(|_| session.pace.note(0.1, 0.1, 0.05));
         assert!(session.is_behind());
         session.apply(command).unwrap();
         assert!(!session.is_behind(), "{command:?}");
@@ -258,4 +258,122 @@ fn gravity_is_tilted_no_further_than_its_range() {
     assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(GRAVITY.low, GRAVITY.high)));
     assert!(session.apply(Change::TiltGravity(DVec2::new(f64::NAN, 0.0)).into()).is_err());
     assert_eq!(session.simulation().world().gravity(), Some(DVec2::new(GRAVITY.low, GRAVITY.high)));
+}
+
+#[test]
+fn time_runs_on_at_once_after_a_rewind_that_did_not_keep_up() {
+    for scale in [1.0 / 64.0, 1.0, 16.0] {
+        let mut session = session("elastic");
+        session.set_time_scale(16.0);
+        (0..60).for_each(|_| session.advance(STEP).unwrap());
+        // There is time for hardly more than a frame of those that were played in each.
+        while session.seconds_ago() < 10.0 {
+            let mut looks = 0;
+            session.rewind_while(LONGEST_FRAME, || {
+                looks += 1;
+                looks < 2
+            });
+        }
+        let ago = session.seconds_ago();
+        session.set_time_scale(scale);
+        session.advance(STEP).unwrap();
+        assert!(session.seconds_ago() < ago, "at {scale}, time stands still");
+    }
+}
+
+#[test]
+fn what_there_was_no_time_to_go_back_is_not_gone_back_later() {
+    let mut session = session("elastic");
+    (0..600).for_each(|_| session.advance(STEP).unwrap());
+    while session.seconds_ago() < 1.0 {
+        let mut looks = 0;
+        session.rewind_while(LONGEST_FRAME, || {
+            looks += 1;
+            looks < 2
+        });
+    }
+    let ago = session.seconds_ago();
+    session.rewind(STEP);
+    assert!(session.seconds_ago() - ago < 3.0 * STEP, "{} s more", session.seconds_ago() - ago);
+}
+
+#[test]
+fn slow_motion_in_the_past_shows_states_between_the_frames_and_comes_to_the_same_bits() {
+    for (scene, solver) in [
+        ("gravity", Solver::Exact),
+        ("gravity", Solver::Contact),
+        ("pile", Solver::Contact),
+        ("rain", Solver::Contact),
+    ] {
+        let scene = Scene::load(scene).unwrap().with_solver(solver);
+        let mut session = Session::new(&scene, 1).unwrap();
+        (0..40).for_each(|_| session.advance(STEP).unwrap());
+        let (end, replay) = (session.simulation().balls().to_vec(), session.replay());
+        (0..10).for_each(|_| assert!(session.rewind(STEP)));
+        session.set_time_scale(1.0 / 8.0);
+        let (mut frames, mut before) = (0, session.simulation().time());
+        while session.is_in_the_past() || session.between.is_some() {
+            session.advance(STEP).unwrap();
+            let time = session.simulation().time();
+            assert!((time - before - STEP / 8.0).abs() < 1e-9, "{solver}: from {before} s to {time} s");
+            (frames, before) = (frames + 1, time);
+        }
+        assert_eq!(frames, 80, "{solver}");
+        assert_eq!(session.simulation().balls(), end, "{solver}");
+        assert_eq!(session.replay(), replay, "{solver}");
+    }
+}
+
+#[test]
+fn what_is_shown_between_two_frames_is_where_the_balls_were() {
+    let scene = Scene::load("gravity").unwrap();
+    let mut session = Session::new(&scene, 1).unwrap();
+    (0..40).for_each(|_| session.advance(STEP).unwrap());
+    (0..10).for_each(|_| assert!(session.rewind(STEP)));
+    session.set_time_scale(1.0 / 64.0);
+    (0..100).for_each(|_| session.advance(STEP).unwrap());
+    // Paused, it stays where it is, until a step goes on to the end of the frame.
+    session.apply(Command::TogglePause).unwrap();
+    session.advance(STEP).unwrap();
+    let mut same = scene.build().unwrap();
+    same.advance(session.simulation().time()).unwrap();
+    for (ball, expected) in session.simulation().balls().iter().zip(same.balls()) {
+        assert!(ball.position().distance(expected.position()) < 1e-6, "{ball:?} is not {expected:?}");
+    }
+    let balls = session.state.simulation.balls().to_vec();
+    assert_ne!(session.simulation().balls(), balls);
+    session.apply(Command::Step).unwrap();
+    session.advance(0.0).unwrap();
+    assert_eq!(session.simulation().balls(), balls);
+    assert!(session.is_in_the_past());
+}
+
+#[test]
+fn what_is_done_between_two_frames_is_done_to_the_end_of_the_frame() {
+    let mut session = session("gravity");
+    (0..40).for_each(|_| session.advance(STEP).unwrap());
+    (0..10).for_each(|_| assert!(session.rewind(STEP)));
+    session.set_time_scale(1.0 / 64.0);
+    session.advance(STEP).unwrap();
+    let time = session.state.simulation.time();
+    assert!(session.simulation().time() < time);
+    session.apply(Change::RemoveLast.into()).unwrap();
+    assert_eq!(session.simulation().time(), time);
+    assert_eq!(session.seconds_ago(), 0.0);
+}
+
+#[test]
+fn a_rewind_begins_with_what_is_shown_also_between_two_frames() {
+    let mut session = session("gravity");
+    (0..40).for_each(|_| session.advance(STEP).unwrap());
+    (0..10).for_each(|_| assert!(session.rewind(STEP)));
+    let ago = session.seconds_ago();
+    session.set_time_scale(1.0 / 64.0);
+    (0..16).for_each(|_| session.advance(STEP).unwrap());
+    assert!((ago - session.seconds_ago() - STEP / 4.0).abs() < 1e-9, "{ago} s, {} s", session.seconds_ago());
+    // To the start of the frame, a quarter of it, and no further until that has passed.
+    (0..15).for_each(|_| assert!(session.rewind(STEP)));
+    assert!((session.seconds_ago() - ago).abs() < 1e-9, "{} s", session.seconds_ago());
+    (0..2).for_each(|_| assert!(session.rewind(STEP)));
+    assert!((session.seconds_ago() - ago - STEP).abs() < 1e-9, "{} s", session.seconds_ago());
 }

@@ -49,7 +49,7 @@ impl Session {
     /// Gives up what is not done yet, as if it had not been asked for.
     pub fn stop_working(&mut self) {
         self.work = None;
-        self.due = 0.0;
+        (self.due, self.back) = (0.0, 0.0);
     }
 
     /// Goes on with what is not done yet, for as long as `go_on` says so.
@@ -66,21 +66,32 @@ impl Session {
         self.rewind_while(measured, || true)
     }
 
-    /// Goes back as [`rewind`](Self::rewind) does for as long as `go_on` says so; the next call goes on from there.
+    /// Goes back as [`rewind`](Self::rewind) does for as long as `go_on` says so; the next call goes on from there, and what
+    /// there was no time for is not made up for.
     pub fn rewind_while(&mut self, measured: f64, mut go_on: impl FnMut() -> bool) -> bool {
         if self.is_working() {
             // The time that this takes is not gone back. Going back does not fail.
             let _ = self.work_on(&mut go_on);
         } else {
+            if self.between.is_some() {
+                // What of the frame is not yet shown need not be gone back.
+                self.back += (-self.due).max(0.0);
+                self.due = 0.0;
+            }
             // What is not a number goes back by nothing.
-            self.due -= measured.clamp(0.0, LONGEST_FRAME).max(0.0) * self.time_scale;
+            self.back += measured.clamp(0.0, LONGEST_FRAME).max(0.0) * self.time_scale;
         }
-        while !self.is_working() && self.due < -ROUNDING && go_on() {
-            let due = self.due;
+        while !self.is_working() && self.back > ROUNDING {
+            if !go_on() {
+                // Else it would go on growing, and all of it be gone back at once where that is quick again.
+                self.back = 0.0;
+                break;
+            }
+            let back = self.back;
             if !self.begin_back() {
                 return false;
             }
-            self.due = due;
+            self.back = back;
             let _ = self.work_on(&mut go_on);
         }
         true
@@ -88,7 +99,7 @@ impl Session {
 
     /// Begins to go back by a frame, or to before the changes since; whether there is one.
     pub(super) fn begin_back(&mut self) -> bool {
-        self.due = 0.0;
+        (self.due, self.back) = (0.0, 0.0);
         let way = self.tape.back();
         let found = way.is_some();
         self.work = way.map(|way| Work::Back(Box::new(way)));
@@ -97,11 +108,12 @@ impl Session {
 
     /// While paused: steps to just after the next impact, or by a frame where that cannot be known.
     pub(super) fn step_to_impact(&mut self) {
-        if !self.is_paused() || self.simulation().solver() != Solver::Exact || self.is_in_the_past() {
+        let in_the_past = self.is_in_the_past() || self.between.is_some();
+        if !self.is_paused() || self.state.solver() != Solver::Exact || in_the_past {
             self.step(STEP);
         } else if self.steps.is_empty() {
             // One at a time: where the next step begins is not known before the last has been taken.
-            self.work = Some(Work::Impact(Box::new(Search::new(self.simulation()))));
+            self.work = Some(Work::Impact(Box::new(Search::new(&self.state.simulation))));
         }
     }
 
@@ -112,11 +124,12 @@ impl Session {
             Some(Work::Back(mut way)) => {
                 let left = self.tape.left();
                 if self.tape.go(&mut way, go_on) {
-                    // While one rewinds: what was gone back is no longer due.
-                    if self.due < 0.0 {
-                        self.due += self.tape.left() - left;
+                    // While one rewinds: what was gone back is no longer due, and less where it was more than that.
+                    if self.back > 0.0 {
+                        self.back -= self.tape.left() - left;
                     }
                     self.state = way.state;
+                    self.between = None;
                     self.steps.clear();
                     self.pace = Pace::default();
                 } else {

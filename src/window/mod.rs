@@ -36,6 +36,7 @@ use winit::event_loop::{ControlFlow, EventLoop};
 
 use app::App;
 pub use problem::WindowError;
+pub use record::end_recording;
 pub use timings::Timings;
 
 use crate::scene::Scene;

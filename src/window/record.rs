@@ -10,6 +10,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -27,6 +28,45 @@ const FEWEST_PICTURES: usize = 2;
 const MOST_PICTURES: usize = 8;
 /// After how long to come again with a frame that was not added: the shortest frame of a GIF.
 const AGAIN: Duration = Duration::from_millis(20);
+/// How long a program that is told to end waits for its recording at most: what is on its way takes a second or so.
+const LAST_WAIT: Duration = Duration::from_secs(5);
+
+/// The recording that is under way.
+static UNDER_WAY: Mutex<Option<UnderWay>> = Mutex::new(None);
+
+fn under_way() -> MutexGuard<'static, Option<UnderWay>> {
+    UNDER_WAY.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the recording that is under way, if one is, and waits until its file is finished, for a program that a signal ends
+/// whatever the window does: what became of it, to be told.
+#[must_use]
+pub fn end_recording() -> Option<String> {
+    let under_way = under_way().take()?;
+    Some(under_way.end(Instant::now()))
+}
+
+/// What it takes to end a recording from another thread.
+#[derive(Debug)]
+struct UnderWay {
+    frames: Sender<Message>,
+    start: Instant,
+    /// Its file's path, or why there is none.
+    saved: Receiver<Result<PathBuf, String>>,
+}
+
+impl UnderWay {
+    fn end(&self, now: Instant) -> String {
+        let seconds = now.saturating_duration_since(self.start).as_secs_f64();
+        // Where it has ended before, its file is being finished.
+        let _ = self.frames.send(Message::End(seconds));
+        match self.saved.recv_timeout(LAST_WAIT) {
+            Ok(Ok(path)) => format!("saved {}", path.display()),
+            Ok(Err(error)) => format!("no recording saved: {error}"),
+            Err(_) => "no recording saved: there was no time to finish it".to_owned(),
+        }
+    }
+}
 
 /// A recording. It ends with [`stop`](Self::stop), with another size of the window, or where it cannot be written; then
 /// [`poll`](Self::poll) tells what became of it. Dropped, it ends with the last frame, and its file is finished.
@@ -37,6 +77,8 @@ pub(super) struct Recorder {
     spare: Receiver<Pixmap>,
     /// What the recording begins with, until that was shown: one that comes before takes its place.
     first: Option<Pixmap>,
+    /// For the recording [under way](UNDER_WAY), which it is once something was shown.
+    saved: Option<Receiver<Result<PathBuf, String>>>,
     /// `None` once it was told what became of the recording.
     thread: Option<JoinHandle<Result<PathBuf, SaveError>>>,
     size: (u32, u32),
@@ -53,6 +95,7 @@ pub(super) struct Recorder {
     resized: bool,
 }
 
+#[derive(Debug)]
 enum Message {
     /// What is seen from this time on, s from the start.
     Frame(f64, Pixmap),
@@ -86,14 +129,34 @@ impl Recorder {
         let (frames, messages) = mpsc::channel();
         let (done, spare) = mpsc::channel();
         let thread = thread::Builder::new().name("recorder".to_owned());
-        let encode = move || match encode(file, &messages, &done) {
-            Ok(file) => file.finish(),
-            Err(source) => Err(SaveError::Animation { path, source }),
+        let (tell, saved) = mpsc::channel();
+        let encode = move || {
+            let outcome = match encode(file, &messages, &done) {
+                Ok(file) => file.finish(),
+                Err(source) => Err(SaveError::Animation { path, source }),
+            };
+            // Mostly nobody asks.
+            let _ = tell.send(outcome.as_ref().map(PathBuf::clone).map_err(ToString::to_string));
+            outcome
         };
         let thread = thread.spawn(encode).map_err(SaveError::NoThread)?;
         let (frames, thread, first) = (Some(frames), Some(thread), Some(painted.to_owned()));
         let (pictures, last, late, left_out, resized) = (0, 0.0, false, 0, false);
-        Ok(Self { frames, spare, first, thread, size, start: now, pictures, last, late, left_out, resized })
+        let saved = Some(saved);
+        Ok(Self {
+            frames,
+            spare,
+            first,
+            saved,
+            thread,
+            size,
+            start: now,
+            pictures,
+            last,
+            late,
+            left_out,
+            resized,
+        })
     }
 
     /// What was added last was shown: from now on another size is a change of what is recorded.
@@ -101,6 +164,9 @@ impl Recorder {
         if let Some(first) = self.first.take() {
             self.pictures = 1;
             self.post(0.0, first);
+            if let (Some(frames), Some(saved)) = (&self.frames, self.saved.take()) {
+                *under_way() = Some(UnderWay { frames: frames.clone(), start: self.start, saved });
+            }
         }
     }
 
@@ -162,6 +228,8 @@ impl Recorder {
     }
 
     fn outcome(&self, thread: JoinHandle<Result<PathBuf, SaveError>>) -> Result<Recorded, SaveError> {
+        // What is known is told by who asked for it.
+        under_way().take();
         let path = thread.join().map_err(|_| SaveError::ThreadEnded)??;
         Ok(Recorded { path, seconds: self.last, left_out: self.left_out, resized: self.resized })
     }

@@ -57,12 +57,14 @@ pub(super) fn scene(session: &Session) -> String {
     if about.is_empty() { session.name().to_owned() } else { format!("{}: {about}", session.name()) }
 }
 
-/// What time does other than run on: something is looked for, or the present is in the past, and what to do about it.
-pub(super) fn past(session: &Session, rewinding: bool) -> Option<String> {
+/// What time does other than run on: something is looked for, or the present is in the past, and what to do about it. A world
+/// that was larger then than what is `seen` of it now, px, is told, too: balls may be where nobody sees them.
+pub(super) fn past(session: &Session, rewinding: bool, seen: DVec2) -> Option<String> {
     let how = match session.working() {
         Some(Working::Impact) => return Some("looking for the next impact … · Esc: stop".to_owned()),
         Some(Working::Back) if !rewinding => return Some("going back … · Esc: stop".to_owned()),
-        _ if !session.is_in_the_past() => return None,
+        Some(Working::Back) => "← rewinding",
+        None if !session.is_in_the_past() => return None,
         _ if rewinding => "← rewinding",
         _ if session.is_paused() => "Space: play on",
         _ => "playing again",
@@ -70,7 +72,14 @@ pub(super) fn past(session: &Session, rewinding: bool) -> Option<String> {
     let ago = session.seconds_ago();
     // Where it takes long to go back by a frame, nothing seems to happen: not "0 ms ago".
     let nothing_yet = rewinding && ago < SHOWN;
-    Some(if nothing_yet { format!("{how} …") } else { format!("{} ago · {how}", duration(ago)) })
+    let told = if nothing_yet { format!("{how} …") } else { format!("{} ago · {how}", duration(ago)) };
+    let size = session.simulation().world().size();
+    let hidden = session.is_in_the_past() && size.cmpgt(seen + 0.5).any();
+    Some(if hidden {
+        told + &format!(" · the world was {}×{} then", size.x.round(), size.y.round())
+    } else {
+        told
+    })
 }
 
 /// Less than this, s, is shown as no time.
@@ -102,6 +111,43 @@ fn gravity(gravity: Option<DVec2>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Scene;
+    use crate::session::STEP;
+
+    const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
+
+    fn played(frames: u32) -> Session {
+        let mut session = Session::new(&Scene::load("elastic").unwrap(), 1).unwrap();
+        (0..frames).for_each(|_| session.advance(STEP).unwrap());
+        session
+    }
+
+    #[test]
+    fn it_is_said_at_once_that_time_runs_back_however_long_the_first_step_takes() {
+        let mut session = played(40);
+        assert_eq!(past(&session, true, SIZE), None);
+        let mut looks = 0;
+        session.rewind_while(STEP, || {
+            looks += 1;
+            looks < 2
+        });
+        assert!(session.is_working() && !session.is_in_the_past());
+        assert_eq!(past(&session, true, SIZE).as_deref(), Some("← rewinding …"));
+        assert_eq!(past(&session, false, SIZE).as_deref(), Some("going back … · Esc: stop"));
+    }
+
+    #[test]
+    fn a_world_that_was_larger_than_what_is_seen_is_told_in_the_past() {
+        let mut session = played(40);
+        let seen = DVec2::new(700.0, 400.0);
+        session.resize(seen).unwrap();
+        session.advance(STEP).unwrap();
+        (0..30).for_each(|_| assert!(session.rewind(STEP)));
+        let said = |seen| past(&session, false, seen).unwrap();
+        assert_eq!(said(SIZE), "0.5 s ago · playing again");
+        assert_eq!(said(seen), "0.5 s ago · playing again · the world was 1280×720 then");
+        assert_eq!(past(&played(2), false, seen), None, "now, it is as large as the balls need");
+    }
 
     #[test]
     fn a_speed_is_a_fraction_where_it_is_one_of_a_whole_number() {

@@ -30,6 +30,31 @@ fn energy_that_commands_give_is_told_from_what_impacts_take() {
 }
 
 #[test]
+fn energy_is_counted_anew_where_no_ball_is_left_and_what_a_hand_has_spent_is_not_held_against_it() {
+    let mut session = session("gravity", Solver::Exact);
+    let energy = |session: &Session| {
+        use carom::simulation::invariants::{kinetic_energy, potential_energy};
+        let simulation = session.simulation();
+        kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls())
+    };
+    for frame in 0..120 {
+        let to = DVec2::new(200.0 + 7.0 * f64::from(frame), 600.0);
+        session.apply(Change::Carry { ball: 3, to }.into()).unwrap();
+        assert_eq!(session.given_energy(), energy(&session));
+        session.advance(STEP).unwrap();
+    }
+    while !session.simulation().balls().is_empty() {
+        session.apply(Change::RemoveLast.into()).unwrap();
+    }
+    assert_eq!(session.given_energy(), 0.0);
+    session.apply(Change::AddRandom(5).into()).unwrap();
+    assert!((session.given_energy() / energy(&session) - 1.0).abs() < 1e-9);
+    (0..120).for_each(|_| session.advance(STEP).unwrap());
+    session.apply(Change::ToggleGravity.into()).unwrap();
+    assert_eq!(session.given_energy(), energy(&session));
+}
+
+#[test]
 fn hundreds_of_times_a_hundred_balls_are_as_many_as_find_room_and_time_goes_on() {
     let scene = Scene::load("elastic").unwrap().with_size(DVec2::new(240.0, 160.0)).unwrap();
     let mut session = Session::new(&scene, 1).unwrap();

@@ -86,7 +86,7 @@ fn a_display_that_ends_under_the_window_is_no_panic() {
 
 #[test]
 #[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
-fn a_signal_while_recording_leaves_nothing_half_written() {
+fn a_signal_while_recording_saves_what_was_recorded_and_leaves_nothing_half_written() {
     for signal in ["INT", "TERM", "HUP"] {
         let display = Display::start();
         let mut window = display.open(&["elastic"]);
@@ -94,11 +94,18 @@ fn a_signal_while_recording_leaves_nothing_half_written() {
         window.wait("the recording", |window| {
             std::fs::read_dir(window.folder.path()).unwrap().next().is_some()
         });
+        // It begins with the first picture that is shown.
+        std::thread::sleep(std::time::Duration::from_secs(1));
         window.signal(signal);
-        let (status, _) = window.end_saying();
+        let (status, said) = window.end_saying();
         assert!(!status.success());
-        let left: Vec<_> = std::fs::read_dir(window.folder.path()).unwrap().collect();
-        assert!(left.is_empty(), "{signal}: {left:?}");
+        let folder = window.folder.path();
+        let names: Vec<_> =
+            std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name()).collect();
+        assert_eq!(names, ["carom-elastic-1.gif"], "{signal}: {said}");
+        let gif = std::fs::read(folder.join(&names[0])).unwrap();
+        assert!(gif.starts_with(b"GIF89a") && gif.ends_with(&[0x3b]), "{signal}: {} bytes", gif.len());
+        assert!(said.contains("saved carom-elastic-1.gif"), "{signal}: {said}");
     }
 }
 

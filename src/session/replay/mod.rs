@@ -244,7 +244,7 @@ impl fmt::Display for Replay {
 fn fingerprint(simulation: &Simulation, rain: Option<&Rain>) -> u64 {
     // The file that the scene would be written as has all of it, numbers to the last bit. But for the solver: what was
     // chosen before the first frame stands with what a replay starts from.
-    let text = scene::write(simulation, rain, "");
+    let text = scene::write_signed(simulation, rain);
     let lines = text.lines().filter(|line| !line.starts_with("solver"));
     let hash = |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     lines.flat_map(str::bytes).fold(0xcbf2_9ce4_8422_2325, hash)

@@ -68,7 +68,8 @@ impl App {
     /// What is to be painted over the balls `now`, `measured` seconds after the frame before.
     pub(super) fn overlay(&mut self, room: Room, measured: f64, now: Instant) -> Overlay {
         let session = &self.session;
-        let behind = session.is_behind() && !session.is_paused() && !self.options.quiet;
+        let slow = session.is_behind() && !session.is_paused() && self.burden.is_simulating();
+        let behind = slow && !self.options.quiet;
         let sheet = if self.help {
             Some(Sheet::Help(self.help_page))
         } else {
@@ -94,7 +95,8 @@ impl App {
             hand: self.hand(now),
             gravity: gravity.then(|| session.simulation().world().gravity().unwrap_or_default()),
             figures: None,
-            past: words::past(session, self.rewinding != Rewinding::No).filter(|_| !self.options.quiet),
+            past: words::past(session, self.rewinding != Rewinding::No, room.picture / room.scale)
+                .filter(|_| !self.options.quiet),
             sheet,
             page,
             recording: recorder.map(|_| now.saturating_duration_since(self.recording_since).as_secs()),
@@ -111,6 +113,7 @@ impl App {
             scene: self.session.name(),
             simulation: self.session.simulation(),
             time_scale: self.session.time_scale(),
+            speed: self.session.speed(),
             paused: self.session.is_paused(),
             measured,
             given: self.session.given_energy(),

@@ -198,6 +198,7 @@ mod tests {
             scene: "gravity",
             simulation,
             time_scale: 1.0,
+            speed: None,
             paused: false,
             measured: 0.0,
             given: 1.0,

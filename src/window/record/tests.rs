@@ -193,3 +193,32 @@ fn pictures_on_their_way_take_64_mebibytes_or_two_pictures() {
     assert_eq!(most_pictures((2560, 1440)), 4);
     assert_eq!(most_pictures((7680, 4320)), FEWEST_PICTURES);
 }
+
+#[test]
+fn a_recording_that_is_ended_from_elsewhere_has_its_end_there_and_what_is_not_known_is_not_told_as_saved() {
+    let setting = Setting::new();
+    let mut recorder = setting.record();
+    assert!(recorder.add(picture(1).as_ref(), setting.at(100)).is_none());
+    // Not through UNDER_WAY, where the recordings of other tests come and go at the same time.
+    let (frames, (tell, saved)) = (recorder.frames.clone().unwrap(), mpsc::channel());
+    drop(tell);
+    let lost = UnderWay { frames, start: setting.start, saved }.end(setting.at(300));
+    assert_eq!(lost, "no recording saved: there was no time to finish it");
+    let recorded = outcome(&mut recorder).unwrap();
+    assert_eq!(recorded.path, setting.path(1));
+    let seen = setting.seen();
+    assert_eq!(seen.iter().map(|&(_, delay)| delay).collect::<Vec<_>>(), [10, 20]);
+}
+
+#[test]
+fn who_ends_a_recording_from_another_thread_is_told_its_file() {
+    let setting = Setting::new();
+    let mut recorder = setting.begin();
+    // Before anything is shown.
+    let saved = recorder.saved.take().unwrap();
+    recorder.shown();
+    let under_way = UnderWay { frames: recorder.frames.clone().unwrap(), start: setting.start, saved };
+    let said = thread::spawn(move || under_way.end(Instant::now())).join().unwrap();
+    assert_eq!(said, format!("saved {}", setting.path(1).display()));
+    assert_eq!(setting.seen().len(), 1);
+}

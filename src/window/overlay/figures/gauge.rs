@@ -15,6 +15,9 @@ const STAND: f64 = 0.25;
 pub(super) const SPAN: f64 = 10.0;
 /// Between two points of the chart, simulated s.
 const SPACING: f64 = 0.05;
+/// In less simulated time than this, s, impacts are not counted per second: where time hardly moves on, as in a jam, a few would
+/// be any number of them.
+const COUNTED: f64 = 1e-3;
 
 /// A frame as the gauge takes it in.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +28,8 @@ pub(in crate::window) struct Frame<'a> {
     pub(in crate::window) simulation: &'a Simulation,
     /// Simulated seconds per measured second.
     pub(in crate::window) time_scale: f64,
+    /// What that comes to where the simulation does not keep up.
+    pub(in crate::window) speed: Option<f64>,
     /// Whether time stands still. Every frame has its own figures then.
     pub(in crate::window) paused: bool,
     /// The time since the frame before, s of wall-clock time; 0 where it is not known.
@@ -80,6 +85,8 @@ pub(super) struct Figures {
     /// Simulated time, s.
     pub(super) time: f64,
     pub(super) time_scale: f64,
+    /// What that comes to where the simulation does not keep up.
+    pub(super) speed: Option<f64>,
     /// Frames in a second; none while paused.
     pub(super) frame_rate: Option<f64>,
     /// Of a frame, to advance, to paint, to present, ms.
@@ -184,7 +191,7 @@ impl Gauge {
                 .map(|_| max_overlap(&mut Grid::new(balls, simulation.world().size()), balls)),
         };
         let impact_rate = if sum.simulated > 0.0 {
-            Some(sum.impacts as f64 / sum.simulated)
+            (sum.simulated >= COUNTED).then(|| sum.impacts as f64 / sum.simulated)
         } else {
             kept.and_then(|before| before.impact_rate)
         };
@@ -196,6 +203,7 @@ impl Gauge {
             balls: balls.len(),
             time,
             time_scale: frame.time_scale,
+            speed: frame.speed.filter(|_| !frame.paused),
             frame_rate: (!frame.paused && sum.measured > 0.0).then(|| f64::from(sum.frames) / sum.measured),
             split: kept.map_or(split, |before| before.split),
             impact_rate,
@@ -228,6 +236,7 @@ mod tests {
             scene: "test",
             simulation,
             time_scale: 1.0,
+            speed: None,
             paused: false,
             measured: 1.0 / 60.0,
             given: 1.0,
@@ -299,6 +308,22 @@ mod tests {
             let mean = rates.iter().sum::<f64>() / rates.len() as f64;
             assert!((mean - 5.0).abs() < 0.25, "at {time_scale}: {mean}");
         }
+    }
+
+    #[test]
+    fn impacts_are_not_counted_where_next_to_no_time_was_simulated() {
+        let mut simulation = Scene::load("elastic").unwrap().build().unwrap();
+        let mut gauge = Gauge::default();
+        for _ in 0..600 {
+            simulation.advance(1.0 / 60.0).unwrap();
+            gauge.feed(&frame(&simulation));
+        }
+        assert!(gauge.figures().unwrap().impact_rate.is_some());
+        for _ in 0..60 {
+            simulation.advance(1e-6).unwrap();
+            gauge.feed(&frame(&simulation));
+        }
+        assert_eq!(gauge.figures().unwrap().impact_rate, None);
     }
 
     #[test]

@@ -117,7 +117,7 @@ fn rows(figures: &Figures) -> Vec<Vec<Row>> {
         vec![
             row("balls", number(figures.balls as f64, 0), ""),
             row("time", number(figures.time, 2), "s"),
-            row("speed", speed(figures.time_scale), "×"),
+            row("speed", running(figures.speed, figures.time_scale), "×"),
         ],
         vec![
             row("frames", perhaps(figures.frame_rate, 1), "/s"),
@@ -138,6 +138,17 @@ fn rows(figures: &Figures) -> Vec<Vec<Row>> {
             row("  change", perhaps(figures.change.map(|change| 100.0 * change), 4), "%"),
         ],
     ]
+}
+
+/// How fast time runs, of what it should where it does not.
+fn running(actual: Option<f64>, time_scale: f64) -> String {
+    let wanted = speed(time_scale);
+    let told = actual.map(|actual| {
+        // Two digits, or all before the point.
+        let digits = if actual >= 10.0 { 0 } else { 1 + usize::from(actual < 1.0) };
+        format!("{actual:.digits$} of {wanted}")
+    });
+    told.filter(|told| told.chars().count() <= WIDTH).unwrap_or(wanted)
 }
 
 /// A time scale as it is said: in halves where time runs slower.
@@ -261,6 +272,7 @@ mod tests {
                 scene,
                 simulation: &simulation,
                 time_scale: 1.0,
+                speed: None,
                 paused: false,
                 measured: 1.0 / 60.0,
                 given,
@@ -280,7 +292,7 @@ mod tests {
         for value in [0.0, 1e-300, 0.123_456, 99_999.5, 1.2e9, 1e300, f64::NAN] {
             for value in [value, -value] {
                 figures.time = value.abs();
-                figures.time_scale = value;
+                (figures.time_scale, figures.speed) = (value, Some(value));
                 (figures.frame_rate, figures.impact_rate) = (Some(value), Some(value));
                 (figures.change, figures.overlap) = (Some(value), Some(value));
                 (figures.kinetic, figures.potential) = (value, value);
@@ -314,6 +326,20 @@ mod tests {
             [(1.0, "1"), (16.0, "16"), (1.0 / 64.0, "1/64"), (0.3, "0.300"), (1.5, "1.500")]
         {
             assert_eq!(speed(time_scale), said);
+        }
+    }
+
+    #[test]
+    fn where_time_runs_slower_it_says_by_how_much() {
+        for (actual, time_scale, said) in [
+            (None, 1.0, "1"),
+            (Some(0.2), 1.0, "0.20 of 1"),
+            (Some(0.0), 1.0, "0.00 of 1"),
+            (Some(2.34), 16.0, "2.3 of 16"),
+            (Some(12.3), 16.0, "12 of 16"),
+            (Some(0.004), 1.0 / 64.0, "1/64"),
+        ] {
+            assert_eq!(running(actual, time_scale), said);
         }
     }
 
