@@ -47,7 +47,7 @@ fn outputs_are_written_whole_or_not_at_all() {
         &here,
         &["run", "draw", "--image", "none/it.png"],
         1,
-        "none/it.png: there is no folder none; no file was written; make the folder first",
+        "none/it.png: there is no folder none; this file was not written; make the folder first",
     );
     fail(&here, &["run", "draw", "--trace", "t.csv", "--image", "none/it.png"], 1, "none/it.png");
     #[cfg(target_os = "linux")]
@@ -65,6 +65,16 @@ fn a_device_is_written_to_and_not_replaced() {
     let here = folder();
     succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "/dev/null"]);
     assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn of_two_outputs_one_of_which_fails_only_that_one_is_said_not_to_be_written() {
+    let here = folder();
+    let outputs = ["--trace", "ok.csv", "--image", "/dev/full", "--summary", "s.json"];
+    let args = [&["run", "gravity", "--seconds", "1"][..], &outputs].concat();
+    fail(&here, &args, 1, "; this file was not written; check");
+    assert_eq!(names(here.path()), ["ok.csv", "s.json"]);
 }
 
 #[cfg(target_os = "linux")]
