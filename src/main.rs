@@ -6,6 +6,7 @@ mod panics;
 #[cfg(unix)]
 mod signals;
 
+use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -73,7 +74,7 @@ enum Failure {
     #[error(
         "this carom was built without its window; build it with the default features, or call carom run {0:?}"
     )]
-    NoWindow(String),
+    NoWindow(std::ffi::OsString),
     #[cfg(not(feature = "report"))]
     #[error("this carom was built without its report; build it with the default features")]
     NoReport,
@@ -112,8 +113,8 @@ impl Failure {
 }
 
 /// The scene that the command line names, as it wants it.
-fn load(name: &str, start: &SceneArgs) -> Result<Scene, Failure> {
-    let mut scene = Scene::load(name)?;
+fn load(name: &OsStr, start: &SceneArgs) -> Result<Scene, Failure> {
+    let mut scene = Scene::load_os(name)?;
     if let Some(solver) = start.solver {
         scene = scene.with_solver(solver);
     }
@@ -230,8 +231,8 @@ fn table(list: &[carom::scene::Listing]) -> String {
     text
 }
 
-fn print_scene(name: &str) -> Result<(), Failure> {
-    Ok(write_stdout(Scene::load(name)?.source())?)
+fn print_scene(name: &OsStr) -> Result<(), Failure> {
+    Ok(write_stdout(Scene::load_os(name)?.source())?)
 }
 
 /// Prints help or the version, in the colours of a terminal where there is one.

@@ -203,6 +203,7 @@ impl File {
         let about = self.about.map_or(Ok(String::new()), checked_about)?;
         Ok(Scene {
             origin: origin.to_owned(),
+            path: None,
             source: String::new(),
             about,
             solver,

@@ -61,9 +61,10 @@ mod rain;
 mod values;
 mod write;
 
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::thread;
 
@@ -104,8 +105,10 @@ pub(crate) const LONGEST_NAME: usize = 200;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// The built-in scene's name, or the file's path.
+    /// The built-in scene's name, or the file's path, as far as that is text.
     origin: String,
+    /// The file that it was loaded from.
+    path: Option<PathBuf>,
     /// The text of the file.
     source: String,
     about: String,
@@ -124,19 +127,27 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] where there is neither, or the file cannot be read or is not a scene.
     pub fn load(name: &str) -> Result<Self, SceneError> {
-        if let Some(builtin) = catalogue::find(name) {
+        Self::load_os(OsStr::new(name))
+    }
+
+    /// The same, of a name that may be a path whose bytes are not all text.
+    ///
+    /// # Errors
+    /// [`SceneError`] as for [`load`](Self::load).
+    pub fn load_os(name: &OsStr) -> Result<Self, SceneError> {
+        let (path, name) = (Path::new(name), name.to_string_lossy());
+        if let Some(builtin) = catalogue::find(&name) {
             return Self::parse(builtin.name, builtin.source);
         }
-        let path = Path::new(name);
         if path.extension().is_none() && path.components().count() <= 1 {
-            return Err(SceneError::Unknown { name: name.to_owned(), is_file: path.is_file() });
+            return Err(SceneError::Unknown { name: name.into_owned(), is_file: path.is_file() });
         }
         let source = read(path)?;
         if source.starts_with(REPLAY) {
             let scene = source.lines().find_map(|line| line.strip_prefix("scene ")).unwrap_or("SCENE");
             return Err(SceneError::Replay { path: path.to_owned(), scene: shown(scene, LONGEST_NAME) });
         }
-        Self::parse(name, &source)
+        Ok(Self { path: Some(path.to_owned()), ..Self::parse(&name, &source)? })
     }
 
     /// A scene from the text of a scene file; messages call it `origin`.
@@ -154,7 +165,9 @@ impl Scene {
         Self { solver, ..self }
     }
 
-    /// The same scene in a world of another size, px.
+    /// The same scene in a world of another size, px. Of a fill's region and of rain's, what is within the new world counts: in the
+    /// file, a region beyond the world is an error, but here it may be the screen that is too small, and what has room is drawn
+    /// in what is left. [`build`](Self::build) says so where it has none.
     ///
     /// # Errors
     /// [`OutOfRange`](crate::OutOfRange) where a side is not in the range of sizes.
@@ -209,7 +222,8 @@ impl Scene {
     }
 
     /// What [`load`](Self::load) finds this scene by: a built-in scene's name, or the file's path; or what whoever
-    /// [parsed](Self::parse) its text called it.
+    /// [parsed](Self::parse) its text called it. What is no text in a path stands there as U+FFFD; [`file`](Self::file) is the
+    /// path itself.
     #[must_use]
     pub fn argument(&self) -> &str {
         &self.origin
@@ -219,7 +233,8 @@ impl Scene {
     /// name of a built-in scene.
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
-        catalogue::find(&self.origin).is_none().then(|| Path::new(&self.origin))
+        let parsed = || catalogue::find(&self.origin).is_none().then(|| Path::new(&self.origin));
+        self.path.as_deref().or_else(parsed)
     }
 
     /// One line on what the scene shows; may be empty.

@@ -79,6 +79,30 @@ fn of_two_outputs_one_of_which_fails_only_that_one_is_said_not_to_be_written() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn a_scene_file_is_run_and_printed_whatever_bytes_its_name_has() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let here = folder();
+    let name = OsStr::from_bytes(b"B\xe4lle.toml");
+    let scene = succeed(&here, &["scene", "draw"]);
+    fs::write(here.path().join(name), &scene).unwrap();
+    let call = |args: &[&OsStr]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_carom"));
+        command.args(args).current_dir(here.path()).output().unwrap()
+    };
+    let [run, print, seconds, zero, trace] = ["run", "scene", "--seconds", "0", "--trace"].map(OsStr::new);
+    assert_eq!(stdout(&call(&[print, name])), scene);
+    let ran = call(&[run, name, seconds, zero]);
+    assert!(ran.status.success(), "{}", stderr(&ran));
+    // Nor is it written over, by any path to it.
+    assert_eq!(call(&[run, name, seconds, zero, trace, name]).status.code(), Some(2));
+    let none = call(&[run, OsStr::from_bytes(b"no\xe4.toml")]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(stderr(&none).contains("no\u{fffd}.toml: No such file"), "{}", stderr(&none));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn a_full_device_is_an_error_and_a_closed_pipe_is_not() {
     let here = folder();
     fail(&here, &["run", "gravity", "--trace", "/dev/full"], 1, "/dev/full: ");
