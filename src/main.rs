@@ -34,7 +34,7 @@ fn main() -> ExitCode {
         Err(failure) if failure.is_broken_pipe() => ExitCode::SUCCESS,
         Err(failure) => {
             // Where standard error is gone, too, the exit code still tells.
-            let _ = writeln!(io::stderr(), "carom: {failure}");
+            let _ = writeln!(io::stderr(), "carom: {failure}{}", failure.options());
             failure.exit_code()
         }
     }
@@ -100,6 +100,19 @@ impl Failure {
             #[cfg(feature = "window")]
             Self::Window(WindowError::Scene(_) | WindowError::TooLarge { .. }) => ExitCode::from(2),
             _ => ExitCode::from(1),
+        }
+    }
+
+    /// The options that ask for what the library says to ask for, which knows of none.
+    fn options(&self) -> &'static str {
+        match self {
+            Self::Run(RunError::Scene(SceneError::NoRoom { .. })) => " (--balls, --size)",
+            #[cfg(feature = "window")]
+            Self::Window(WindowError::Scene(SceneError::NoRoom { .. })) => " (--balls, --size)",
+            Self::Run(
+                RunError::Picture(_) | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
+            ) => " (--size)",
+            _ => "",
         }
     }
 

@@ -287,10 +287,10 @@ impl Scene {
                     count => format!("only {} of the fill's {count} balls found room", placed.len()),
                 };
                 let size = self.world.size();
-                // A file's regions lie in the world that it asks for; --size may ask for another.
+                // A file's regions lie in the world that it asks for; `with_size` may ask for another.
                 let message = if fill.region.is_some_and(|(_, high)| !high.cmple(size).all()) {
                     format!(
-                        "{found}: its region reaches beyond this world of {}x{} px; ask for a larger --size, or write \
+                        "{found}: its region reaches beyond this world of {}x{} px; ask for a larger one, or write \
                          another region",
                         size.x, size.y
                     )

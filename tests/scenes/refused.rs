@@ -247,7 +247,7 @@ fn a_fill_whose_region_the_world_has_lost_says_so() {
     let scene = Scene::parse("it.toml", text).unwrap();
     let error = scene.clone().with_size(DVec2::new(400.0, 300.0)).unwrap().build().unwrap_err().to_string();
     assert!(
-        error.contains("its region reaches beyond this world of 400x300 px; ask for a larger --size"),
+        error.contains("its region reaches beyond this world of 400x300 px; ask for a larger one"),
         "{error}"
     );
     assert!(scene.with_size(DVec2::new(900.0, 300.0)).unwrap().build().is_ok(), "what is left has room");
