@@ -175,7 +175,9 @@ impl Scene {
         Ok(Self { world: self.world.with_size(size)?, ..self })
     }
 
-    /// The same scene with `count` random balls more, the same for the same seed.
+    /// The same scene with `count` random balls beside its own, the same for the same seed; no seed is seed 1. They take the
+    /// place of balls that were added so before. [`build`](Self::build) places them, and fails where they find no room, or where
+    /// all together are more than [`MAX_BALLS`].
     #[must_use]
     pub fn with_added(self, count: usize, seed: Option<u64>) -> Self {
         Self { added: Some((count, seed.unwrap_or(file::DEFAULT_SEED))), ..self }
@@ -272,11 +274,14 @@ impl Scene {
         self.rain.clone()
     }
 
-    /// The simulation that this scene describes, at time 0, with its fills placed and its balls added, but without its
-    /// [rain](Self::rain), which has to be moved on with it. It may use all cores ([`Simulation::with_threads`]).
+    /// The simulation that this scene describes, at time 0, with its fills placed and its balls added. It may use all cores
+    /// ([`Simulation::with_threads`]).
+    ///
+    /// Its rain is not in it: where [`rain`](Self::rain) is `Some`, move the simulation on with [`Rain::advance`]. With
+    /// [`Simulation::advance`], no ball falls in.
     ///
     /// # Errors
-    /// [`SceneError`] where balls do not fit.
+    /// [`SceneError`] where balls do not fit, or are more than [`MAX_BALLS`].
     pub fn build(&self) -> Result<Simulation, SceneError> {
         let mut balls = self.balls.clone();
         for (stream, fill) in (0..).zip(&self.fills) {
