@@ -1,6 +1,7 @@
 //! The command line.
 
 use std::env;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -55,8 +56,8 @@ impl Cli {
         let words: Vec<_> = env::args_os().collect();
         let refused = |message| Self::command().error(ErrorKind::UnknownArgument, message);
         match Self::try_parse_from(&words) {
-            Ok(Self { command: None, window }) if commands().contains(&window.scene) => {
-                Err(refused(comes_first(&window.scene)))
+            Ok(Self { command: None, window }) if commands().iter().any(|name| window.scene == **name) => {
+                Err(refused(comes_first(&window.scene.to_string_lossy())))
             }
             Err(error) if error.kind() == ErrorKind::ArgumentConflict => {
                 // With a scene of its own, the program takes what comes behind it for a command that does not go with that.
@@ -118,7 +119,7 @@ pub enum Command {
     #[command(after_help = "Examples:\n  carom scene gravity > mine.toml\n  carom mine.toml")]
     Scene {
         /// A built-in scene's name or a .toml file
-        scene: String,
+        scene: OsString,
     },
 }
 
@@ -141,8 +142,9 @@ pub struct SceneArgs {
     /// The seed of the random balls that are added: the same seed, the same balls [default: 1]
     #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// The world's size in px, such as 1280x720 [default: the scene's own]
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    /// The world's size in px, such as 1280x720; regions of random balls that reach beyond it end there
+    /// [default: the scene's own]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<DVec2>,
 }
 
@@ -151,7 +153,7 @@ pub struct SceneArgs {
 pub struct WindowArgs {
     /// A built-in scene's name or a .toml file
     #[arg(default_value = carom::scene::DEFAULT_SCENE)]
-    pub scene: String,
+    pub scene: OsString,
     #[command(flatten)]
     pub start: SceneArgs,
     /// Fill the screen
@@ -180,7 +182,7 @@ pub struct WindowArgs {
 #[derive(Debug, Args)]
 pub struct RunArgs {
     /// A built-in scene's name or a .toml file
-    pub scene: String,
+    pub scene: OsString,
     #[command(flatten)]
     pub start: SceneArgs,
     /// Simulated time in seconds; the first frame has 0, so 0 seconds is one frame [default: 10]

@@ -1,5 +1,8 @@
-//! Bouncing balls: a JavaScript canvas physics demo, native and bit for bit, an event-driven solver that is exact, and
-//! one with substeps that holds piles.
+//! A simulation of bouncing balls in two dimensions, with the window, pictures and command line that show it.
+//!
+//! Balls are discs in a rectangle, with gravity, walls and impacts where they are asked for. One of three solvers moves them on:
+//! the step of a JavaScript canvas demo, bit for bit; one from impact to impact that is exact; and one with substeps that holds
+//! piles.
 //!
 //! ```
 //! use carom::Scene;
@@ -11,6 +14,9 @@
 //! assert!(simulation.balls().iter().all(|ball| ball.position().is_finite()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! In a scene with rain ([`Scene::rain`] is `Some`), [`Rain::advance`](scene::Rain::advance) takes the place of
+//! [`Simulation::advance`], with which no ball falls in.
 //!
 //! # The story of a frame
 //!

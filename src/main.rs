@@ -6,6 +6,7 @@ mod panics;
 #[cfg(unix)]
 mod signals;
 
+use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
@@ -33,7 +34,7 @@ fn main() -> ExitCode {
         Err(failure) if failure.is_broken_pipe() => ExitCode::SUCCESS,
         Err(failure) => {
             // Where standard error is gone, too, the exit code still tells.
-            let _ = writeln!(io::stderr(), "carom: {failure}");
+            let _ = writeln!(io::stderr(), "carom: {failure}{}", failure.options());
             failure.exit_code()
         }
     }
@@ -73,7 +74,7 @@ enum Failure {
     #[error(
         "this carom was built without its window; build it with the default features, or call carom run {0:?}"
     )]
-    NoWindow(String),
+    NoWindow(std::ffi::OsString),
     #[cfg(not(feature = "report"))]
     #[error("this carom was built without its report; build it with the default features")]
     NoReport,
@@ -102,6 +103,19 @@ impl Failure {
         }
     }
 
+    /// The options that ask for what the library says to ask for, which knows of none.
+    fn options(&self) -> &'static str {
+        match self {
+            Self::Run(RunError::Scene(SceneError::NoRoom { .. })) => " (--balls, --size)",
+            #[cfg(feature = "window")]
+            Self::Window(WindowError::Scene(SceneError::NoRoom { .. })) => " (--balls, --size)",
+            Self::Run(
+                RunError::Picture(_) | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
+            ) => " (--size)",
+            _ => "",
+        }
+    }
+
     fn is_broken_pipe(&self) -> bool {
         match self {
             Self::Run(error) => error.is_broken_pipe(),
@@ -112,8 +126,8 @@ impl Failure {
 }
 
 /// The scene that the command line names, as it wants it.
-fn load(name: &str, start: &SceneArgs) -> Result<Scene, Failure> {
-    let mut scene = Scene::load(name)?;
+fn load(name: &OsStr, start: &SceneArgs) -> Result<Scene, Failure> {
+    let mut scene = Scene::load_os(name)?;
     if let Some(solver) = start.solver {
         scene = scene.with_solver(solver);
     }
@@ -230,8 +244,8 @@ fn table(list: &[carom::scene::Listing]) -> String {
     text
 }
 
-fn print_scene(name: &str) -> Result<(), Failure> {
-    Ok(write_stdout(Scene::load(name)?.source())?)
+fn print_scene(name: &OsStr) -> Result<(), Failure> {
+    Ok(write_stdout(Scene::load_os(name)?.source())?)
 }
 
 /// Prints help or the version, in the colours of a terminal where there is one.

@@ -2,10 +2,13 @@
 
 #[cfg(feature = "window")]
 use std::io::{self, Write};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::{fs, thread};
 
 use carom::headless::discard_unfinished;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGXFSZ};
+use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 
@@ -14,7 +17,12 @@ use signal_hook::low_level::emulate_default_handler;
 /// it should.
 pub fn watch(last_words: impl FnOnce() + Send + 'static) {
     let ignored = ignored();
-    let watched = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored & (1 << (signal - 1)) == 0);
+    // Where nobody waits for SIGXFSZ, a file beyond the limit (`ulimit -f`) ends the program; the flag, which nobody reads, makes
+    // an error of it that the write returns.
+    let _ = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+    let watched = [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU]
+        .into_iter()
+        .filter(|signal| ignored & (1 << (signal - 1)) == 0);
     // Where signals cannot be watched, they end the program as they always did.
     let Ok(mut signals) = Signals::new(watched) else { return };
     thread::spawn(move || {

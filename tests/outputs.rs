@@ -77,12 +77,12 @@ fn is_ignored(number: i32) -> bool {
 
 #[test]
 fn a_signal_ends_a_run_as_it_says_and_leaves_nothing_half_written() {
-    for (name, number) in
-        [("HUP", 1), ("INT", 2), ("TERM", 15)].into_iter().filter(|&(_, it)| !is_ignored(it))
-    {
+    let signals = [("HUP", 1), ("INT", 2), ("QUIT", 3), ("TERM", 15), ("XCPU", 24)];
+    for (name, number) in signals.into_iter().filter(|&(_, it)| !is_ignored(it)) {
         let here = folder();
         fs::write(here.path().join("t.csv"), "old").unwrap();
-        let mut child = begin(here.path(), ":");
+        // Some of them leave a core where they may.
+        let mut child = begin(here.path(), "ulimit -c 0");
         send(&child, name);
         assert_eq!(child.wait().unwrap().signal(), Some(number));
         assert_eq!(names(here.path()), ["t.csv"], "after SIG{name}");
@@ -145,18 +145,21 @@ fn a_signal_that_was_to_be_ignored_is() {
 
 #[test]
 fn files_that_may_not_grow_are_errors_that_leave_what_was_there() {
-    // Without the signal, a write beyond the limit fails as on a full disk.
-    let small = "trap '' XFSZ; ulimit -f 8";
-    for (option, name) in
-        [("--trace", "t.csv"), ("--gif", "it.gif"), ("--image", "last.png"), ("--summary", "s.json")]
-    {
+    // Whether the shell wants its signal to be ignored or not.
+    let outputs =
+        [("--trace", "t.csv"), ("--gif", "it.gif"), ("--image", "last.png"), ("--summary", "s.json")];
+    for ((option, name), first) in outputs.into_iter().flat_map(|it| [(it, "trap '' XFSZ"), (it, ":")]) {
         let here = folder();
         fs::write(here.path().join(name), "old").unwrap();
-        let before = if option == "--summary" { "trap '' XFSZ; ulimit -f 0" } else { small };
+        let before = format!("{first}; ulimit -c 0; ulimit -f {}", if option == "--summary" { 0 } else { 8 });
         let args = format!("run galton --seconds 2 {option} {name}");
-        let output = through_shell(here.path(), before, &args);
+        let output = through_shell(here.path(), &before, &args);
         assert_fails(&output, &format!("{name}: File too large"));
-        assert!(stderr(&output).contains("no file was written"), "{}", stderr(&output));
+        assert!(
+            stderr(&output).contains("; this file was not written; allow larger files (ulimit -f)"),
+            "{}",
+            stderr(&output)
+        );
         assert_eq!(names(here.path()), [name]);
         assert_eq!(fs::read_to_string(here.path().join(name)).unwrap(), "old");
     }

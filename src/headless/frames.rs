@@ -151,22 +151,15 @@ impl Frames {
         }
     }
 
-    /// The delta in seconds of a frame, from 0, of which there are [`count`](Self::count).
-    ///
-    /// # Panics
-    /// Where deltas were [read](Self::read) and there is no such frame; of even ones there is none that says so.
+    /// The delta in seconds of a frame, from 0, of which there are [`count`](Self::count); 0 where there is no such frame.
     #[must_use]
     pub fn delta(&self, frame: u64) -> f64 {
         match &self.0 {
             Kind::Even { .. } if frame == 0 => 0.0,
-            Kind::Even { whole, delta, rest } => {
-                if frame <= *whole {
-                    *delta
-                } else {
-                    *rest
-                }
-            }
-            Kind::Listed(deltas) => deltas[frame as usize],
+            Kind::Even { whole, delta, .. } if frame <= *whole => *delta,
+            Kind::Even { whole, rest, .. } if frame == *whole + 1 => *rest,
+            Kind::Even { .. } => 0.0,
+            Kind::Listed(deltas) => deltas.get(frame as usize).copied().unwrap_or_default(),
         }
     }
 }
@@ -195,6 +188,16 @@ mod tests {
         let uneven = all(&Frames::even(0.25, 10.0).unwrap());
         assert_eq!(uneven.len(), 4);
         assert!((uneven.iter().sum::<f64>() - 0.25).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_frame_that_is_not_there_takes_no_time() {
+        let listed = Frames::parse(Path::new("deltas.txt"), "0\n0.5\n").unwrap();
+        for frames in [Frames::even(0.25, 10.0).unwrap(), Frames::even(0.0, 60.0).unwrap(), listed] {
+            for frame in [frames.count(), frames.count() + 1, u64::MAX] {
+                assert_eq!(frames.delta(frame), 0.0);
+            }
+        }
     }
 
     #[test]

@@ -1,4 +1,7 @@
 //! Output files: written whole or not at all.
+//!
+//! Where standard output was closed before the program began (`>&-`), what is written to it is lost, and nothing says so: before
+//! `main`, Rust puts `/dev/null` in its place, which from then on looks like the one that a script asked for.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -31,9 +34,11 @@ fn remedy(path: &Path, source: &io::Error) -> &'static str {
     if is_stdout(path) {
         ""
     } else if matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) {
-        "; no file was written; make the folder first, or give another"
+        "; this file was not written; make the folder first, or give another"
+    } else if source.kind() == io::ErrorKind::FileTooLarge {
+        "; this file was not written; allow larger files (ulimit -f), or ask for less"
     } else {
-        "; no file was written; check that the folder may be written to and has room"
+        "; this file was not written; check that the folder may be written to and has room"
     }
 }
 

@@ -1,8 +1,9 @@
 //! Files that are being written, each under a temporary name beside its place until it is whole.
 //!
 //! What is dropped before is removed, with the folders that were made for it. A program that is told to end by a signal
-//! drops nothing, so all of them stand in one list, and [`discard_unfinished`] removes what is there. Only what ends a program
-//! without a word (SIGKILL, a power failure) leaves such a file: its name begins with `.carom-`, and it may be deleted.
+//! drops nothing, so all of them stand in one list, and [`discard_unfinished`] removes what is there; carom does so on SIGHUP,
+//! SIGINT, SIGQUIT, SIGTERM and SIGXCPU. What ends a program otherwise (SIGKILL, a power failure, another signal) leaves such a
+//! file: its name begins with `.carom-`, and it may be deleted.
 
 use std::fs;
 use std::io::{self, Write};

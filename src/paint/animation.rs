@@ -28,7 +28,7 @@ const LONGEST: f64 = 1e6;
 #[non_exhaustive]
 pub enum AnimationError {
     /// GIF counts a picture's sides in 16 bits.
-    #[error("a GIF has at most 65535x65535 px, not {width}x{height}; give a smaller --size")]
+    #[error("a GIF has at most 65535x65535 px, not {width}x{height}; ask for a smaller world")]
     TooLarge {
         /// The width asked for, px.
         width: u32,

@@ -46,7 +46,8 @@ const LARGEST_PATH: f64 = 1e4;
 /// A picture that is too large to paint, or has no size.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error(
-    "a picture of {width}x{height} px has no pixels, or takes too much memory; give a smaller --size, at most {MOST_PIXELS} px in all, or one of 1x1 px at least"
+    "a picture of {width}x{height} px has no pixels, or takes too much memory; ask for at most {MOST_PIXELS} px in all, and at \
+     least 1x1 px"
 )]
 pub struct PictureTooLarge {
     /// Its width, px.

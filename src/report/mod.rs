@@ -134,7 +134,7 @@ impl Context {
     }
 }
 
-/// One cell of the stability table, `case/solver`, as JSON: what the report runs itself for.
+/// One cell of the stability table, `case/solver`: what the report runs itself for. Returns the cell as one line of JSON.
 ///
 /// # Errors
 /// [`ReportError::Unknown`] where there is no such cell.
@@ -144,7 +144,7 @@ pub fn cell(name: &str, quick: bool) -> Result<String, ReportError> {
     json.ok_or_else(|| ReportError::Unknown { name: name.to_owned(), known: stability::names() })
 }
 
-/// Measures, and writes the report.
+/// Measures, and writes the report. Returns the path of its page, `report.md` in the folder of the options.
 ///
 /// # Errors
 /// [`ReportError`]; what failed in a solver is no error, but stands in the report.

@@ -3,6 +3,7 @@
 use strsim::osa_distance;
 
 use super::values::TWO_NUMBERS;
+use crate::simulation::Solver;
 
 /// A key or a table of a scene file.
 struct Known {
@@ -53,12 +54,24 @@ impl Known {
         self.example.starts_with('[')
     }
 
+    /// The words that it may be, where not any will do.
+    fn words(&self) -> Vec<&'static str> {
+        match self.name {
+            "solver" => Solver::ALL.iter().map(|solver| solver.name()).collect(),
+            "response" => vec!["impulse", "detect"],
+            _ => Vec::new(),
+        }
+    }
+
     /// How it is written, with what its author meant where that can be told from `value`.
     fn example(&self, value: &str) -> String {
         let is_word = |word: &str| {
             !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_')
         };
-        if self.example.contains('"') && is_word(value) {
+        let words = self.words();
+        if !words.is_empty() && !words.contains(&value) {
+            format!("{}; choose from: {}", self.example, words.join(", "))
+        } else if self.example.contains('"') && is_word(value) {
             format!("{} = \"{value}\"", self.name)
         } else {
             self.example.to_owned()
@@ -78,6 +91,9 @@ const NO_LINE: &str = "this is neither a key with its value, such as radius = 30
 /// What is said where an array goes on into the next line.
 const OPEN_ARRAY: &str =
     "an array that began before is still open here; close it with ], and put commas between its numbers";
+
+/// What is said where a radius is missing: what the world's size is, the parser does not know yet.
+const LESS_IN_A_SMALL_WORLD: &str = ", in px; in a world less than 60 px wide or high, at most half of that";
 
 /// What is said where a mass is no number: of random balls, masses may differ.
 const DIFFERENT_MASSES: &str = "; random balls whose masses differ have a density instead: density = 1";
@@ -169,7 +185,8 @@ pub(super) fn advice(said: &str, line: &str, offset: usize) -> String {
     } else if said.ends_with("expected a sequence") {
         TWO_BRACKETS.to_owned()
     } else if let Some(key) = quoted_after(said, "missing field ") {
-        Known::of(key).map_or(said.to_owned(), |known| format!("{said}; add {}", known.example))
+        let less = if key == "radius" { LESS_IN_A_SMALL_WORLD } else { "" };
+        Known::of(key).map_or(said.to_owned(), |known| format!("{said}; add {}{less}", known.example))
     } else if let Some(key) = quoted_after(said, "unknown field ") {
         misplaced(said, key)
     } else if said == "duplicate key" {
@@ -196,7 +213,7 @@ pub(super) fn advice(said: &str, line: &str, offset: usize) -> String {
         let ranged = entry.name == "mass" && said.contains("type: sequence");
         in_toml(said) + if ranged { DIFFERENT_MASSES } else { "" }
     } else {
-        entry.and_write(said)
+        entry.and_write(&in_toml(said))
     }
 }
 

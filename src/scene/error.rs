@@ -52,9 +52,7 @@ pub enum SceneError {
     #[error("{0}")]
     Wrong(Fault),
     /// Balls that were asked for outside of a file do not fit.
-    #[error(
-        "{placed} of the {count} balls to add found room; ask for fewer with --balls, or for a larger --size"
-    )]
+    #[error("{placed} of the {count} balls to add found room; ask for fewer, or for a larger world")]
     NoRoom {
         /// How many found a place.
         placed: usize,

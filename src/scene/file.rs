@@ -194,7 +194,7 @@ impl File {
         };
         let size = match &self.size {
             None => DEFAULT_SIZE,
-            Some(size) => size.checked(|Pair(size)| SIZE.check_vector(size))?,
+            Some(size) => vector(size, &SIZE, ["width", "height"])?,
         };
         let world = self.world(size)?;
         let balls = self.balls(size)?;
@@ -203,6 +203,7 @@ impl File {
         let about = self.about.map_or(Ok(String::new()), checked_about)?;
         Ok(Scene {
             origin: origin.to_owned(),
+            path: None,
             source: String::new(),
             about,
             solver,
@@ -217,7 +218,7 @@ impl File {
     fn world(&self, size: DVec2) -> Result<World, At> {
         let mut world = World::new(size).map_err(|error| At { offset: None, message: error.to_string() })?;
         if let Some(gravity) = &self.gravity {
-            let gravity = gravity.checked(|Pair(gravity)| GRAVITY.check_vector(gravity))?;
+            let gravity = vector(gravity, &GRAVITY, ["x", "y"])?;
             world = world.with_gravity(gravity).expect("gravity was checked");
         }
         if let Some(Table(walls)) = &self.walls {
@@ -282,14 +283,15 @@ fn checked_about(about: Spanned<String>) -> Result<String, At> {
 
 impl BallTable {
     fn ball(&self) -> Result<Ball, At> {
-        let position = self.position.checked(|Pair(position)| COORDINATE.check_vector(position))?;
+        let position = vector(&self.position, &COORDINATE, ["x", "y"])?;
         let mut ball = self.radius.checked(|Number(radius)| Ball::new(position, radius))?;
         if self.fixed == Some(true) {
             self.check_fixed()?;
             ball = ball.fixed();
         }
         if let Some(velocity) = &self.velocity {
-            ball = velocity.checked(|Pair(velocity)| ball.with_velocity(velocity))?;
+            let checked = vector(velocity, &VELOCITY, ["x", "y"])?;
+            ball = ball.with_velocity(checked).map_err(|error| at(velocity.span(), error))?;
         }
         if let Some(mass) = &self.mass {
             ball = mass.checked(|Number(mass)| ball.with_mass(mass))?;
@@ -365,6 +367,16 @@ const FIXED_WEIGHS: &str =
 /// A number that may be left out, in the range of `quantity`.
 fn optional(number: Option<&Spanned<Number>>, quantity: &'static Quantity, default: f64) -> Result<f64, At> {
     number.map_or(Ok(default), |number| number.checked(|Number(value)| quantity.check(value)))
+}
+
+/// A pair of numbers in the range of `quantity`. Where one is not, the message says which of the two.
+fn vector(pair: &Spanned<Pair>, quantity: &'static Quantity, names: [&str; 2]) -> Result<DVec2, At> {
+    pair.checked(|Pair(pair)| {
+        for (name, value) in names.into_iter().zip(pair.to_array()) {
+            quantity.check(value).map_err(|error| format!("{name} of {error}"))?;
+        }
+        Ok::<_, String>(pair)
+    })
 }
 
 /// What else the author of a ball that is too wide may want, where there are no walls.

@@ -14,7 +14,7 @@ pub struct Listing {
     pub about: String,
     /// Its solver's name.
     pub solver: &'static str,
-    /// How many balls it begins with.
+    /// How many balls it has at time 0; those of rain come later.
     pub balls: usize,
     /// The parts of the solver that run; where balls fall in, after a second of that.
     pub uses: Vec<String>,

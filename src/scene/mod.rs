@@ -61,9 +61,10 @@ mod rain;
 mod values;
 mod write;
 
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::thread;
 
@@ -105,8 +106,10 @@ pub(crate) const LONGEST_NAME: usize = 200;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// The built-in scene's name, or the file's path.
+    /// The built-in scene's name, or the file's path, as far as that is text.
     origin: String,
+    /// The file that it was loaded from.
+    path: Option<PathBuf>,
     /// The text of the file.
     source: String,
     about: String,
@@ -125,19 +128,27 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] where there is neither, or the file cannot be read or is not a scene.
     pub fn load(name: &str) -> Result<Self, SceneError> {
-        if let Some(builtin) = catalogue::find(name) {
+        Self::load_os(OsStr::new(name))
+    }
+
+    /// The same, of a name that may be a path whose bytes are not all text.
+    ///
+    /// # Errors
+    /// [`SceneError`] as for [`load`](Self::load).
+    pub fn load_os(name: &OsStr) -> Result<Self, SceneError> {
+        let (path, name) = (Path::new(name), name.to_string_lossy());
+        if let Some(builtin) = catalogue::find(&name) {
             return Self::parse(builtin.name, builtin.source);
         }
-        let path = Path::new(name);
         if path.extension().is_none() && path.components().count() <= 1 {
-            return Err(SceneError::Unknown { name: name.to_owned(), is_file: path.is_file() });
+            return Err(SceneError::Unknown { name: name.into_owned(), is_file: path.is_file() });
         }
         let source = read(path)?;
         if source.starts_with(REPLAY) {
             let scene = source.lines().find_map(|line| line.strip_prefix("scene ")).unwrap_or("SCENE");
             return Err(SceneError::Replay { path: path.to_owned(), scene: shown(scene, LONGEST_NAME) });
         }
-        Self::parse(name, &source)
+        Ok(Self { path: Some(path.to_owned()), ..Self::parse(&name, &source)? })
     }
 
     /// A scene from the text of a scene file; messages call it `origin`.
@@ -155,7 +166,9 @@ impl Scene {
         Self { solver, ..self }
     }
 
-    /// The same scene in a world of another size, px.
+    /// The same scene in a world of another size, px. Of a fill's region and of rain's, what is within the new world counts: in the
+    /// file, a region beyond the world is an error, but here it may be the screen that is too small, and what has room is drawn
+    /// in what is left. [`build`](Self::build) says so where it has none.
     ///
     /// # Errors
     /// [`OutOfRange`](crate::OutOfRange) where a side is not in the range of sizes.
@@ -163,7 +176,9 @@ impl Scene {
         Ok(Self { world: self.world.with_size(size)?, ..self })
     }
 
-    /// The same scene with `count` random balls more, the same for the same seed.
+    /// The same scene with `count` random balls beside its own, the same for the same seed; no seed is seed 1. They take the
+    /// place of balls that were added so before. [`build`](Self::build) places them, and fails where they find no room, or where
+    /// all together are more than [`MAX_BALLS`].
     #[must_use]
     pub fn with_added(self, count: usize, seed: Option<u64>) -> Self {
         Self { added: Some((count, seed.unwrap_or(file::DEFAULT_SEED))), ..self }
@@ -210,7 +225,8 @@ impl Scene {
     }
 
     /// What [`load`](Self::load) finds this scene by: a built-in scene's name, or the file's path; or what whoever
-    /// [parsed](Self::parse) its text called it.
+    /// [parsed](Self::parse) its text called it. What is no text in a path stands there as U+FFFD; [`file`](Self::file) is the
+    /// path itself.
     #[must_use]
     pub fn argument(&self) -> &str {
         &self.origin
@@ -220,7 +236,8 @@ impl Scene {
     /// name of a built-in scene.
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
-        catalogue::find(&self.origin).is_none().then(|| Path::new(&self.origin))
+        let parsed = || catalogue::find(&self.origin).is_none().then(|| Path::new(&self.origin));
+        self.path.as_deref().or_else(parsed)
     }
 
     /// One line on what the scene shows; may be empty.
@@ -258,11 +275,14 @@ impl Scene {
         self.rain.clone()
     }
 
-    /// The simulation that this scene describes, at time 0, with its fills placed and its balls added, but without its
-    /// [rain](Self::rain), which has to be moved on with it. It may use all cores ([`Simulation::with_threads`]).
+    /// The simulation that this scene describes, at time 0, with its fills placed and its balls added. It may use all cores
+    /// ([`Simulation::with_threads`]).
+    ///
+    /// Its rain is not in it: where [`rain`](Self::rain) is `Some`, move the simulation on with [`Rain::advance`]. With
+    /// [`Simulation::advance`], no ball falls in.
     ///
     /// # Errors
-    /// [`SceneError`] where balls do not fit.
+    /// [`SceneError`] where balls do not fit, or are more than [`MAX_BALLS`].
     pub fn build(&self) -> Result<Simulation, SceneError> {
         let mut balls = self.balls.clone();
         for (stream, fill) in (0..).zip(&self.fills) {
@@ -273,10 +293,10 @@ impl Scene {
                     count => format!("only {} of the fill's {count} balls found room", placed.len()),
                 };
                 let size = self.world.size();
-                // A file's regions lie in the world that it asks for; --size may ask for another.
+                // A file's regions lie in the world that it asks for; `with_size` may ask for another.
                 let message = if fill.region.is_some_and(|(_, high)| !high.cmple(size).all()) {
                     format!(
-                        "{found}: its region reaches beyond this world of {}x{} px; ask for a larger --size, or write \
+                        "{found}: its region reaches beyond this world of {}x{} px; ask for a larger one, or write \
                          another region",
                         size.x, size.y
                     )

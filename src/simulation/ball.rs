@@ -8,9 +8,10 @@ use super::limits::{
 
 /// A disc with a position, a velocity, a radius, a mass and a coefficient of restitution.
 ///
-/// A `Ball` that exists is valid: its numbers are finite and in the ranges of [`limits`](super::limits), so no solver
-/// checks them again. Only the mass of a [fixed](Self::fixed) ball is infinite. Lengths are in px with y growing
-/// downward, times in seconds.
+/// A `Ball` that is made is valid: its numbers are finite and in the ranges of [`limits`](super::limits), so no solver
+/// checks them again. Radius, mass and restitution stay so; a simulation may move a ball to a place, and to a velocity, beyond
+/// these ranges, where no walls hold it. Only the mass of a [fixed](Self::fixed) ball is infinite. Lengths are in px with y
+/// growing downward, times in seconds.
 ///
 /// ```
 /// use carom::{Ball, DVec2};

@@ -1,8 +1,9 @@
 //! What a quantity may be: every limit of the physics in one place, with its unit and its reason.
 //!
 //! The ranges are wide enough for every case that carom is tested on (mass ratios of 10¹⁸, speeds of
-//! 10⁸ px/s, an hour in one step) and narrow enough that no product of them leaves the range of an `f64`: a
-//! solver that starts from checked input need not guard each operation against overflow.
+//! 10⁸ px/s, an hour in one step) and narrow enough that the few of them that a formula multiplies stay far inside of the range
+//! of an `f64`, which ends at 10³⁰⁸: an energy is at most 10⁴⁸, the fourth power of a length or a speed 10³⁶. A solver that
+//! starts from checked input need not guard each operation against overflow.
 
 use std::fmt;
 
@@ -51,7 +52,8 @@ pub const REST_SPEED: Quantity = Quantity { name: "rest speed", unit: "px/s", lo
 /// a pixel high under the demo's gravity.
 pub const DEFAULT_REST_SPEED: f64 = 1.0;
 
-/// Substeps in a second of `contact`: from as few as a film has pictures to 1024 times as many as it takes by default.
+/// Substeps in a second of `contact`: from 24, as many as a film has pictures, to 245,760, which is 1024 times 240, the number that
+/// it takes where nothing asks for more or fewer.
 pub const SUBSTEPS: Quantity = Quantity { name: "substeps", unit: "1/s", low: 24.0, high: 245_760.0 };
 
 /// The most threads that share the work of a substep.

@@ -82,27 +82,38 @@ impl Simulation {
         Ok(Self { world, balls, touching, solver, tuning, engine, clock, tally })
     }
 
-    /// The same simulation with another rest speed u, px/s: the speed below which bouncing counts as rest,
-    /// [`DEFAULT_REST_SPEED`] unless told otherwise.
+    /// Sets the rest speed u, the speed below which bouncing counts as rest: from 10⁻⁹ to 10⁹ px/s, and
+    /// [`DEFAULT_REST_SPEED`], 1 px/s, unless told otherwise. A smaller one costs more and leaves out less.
     ///
-    /// - [`Solver::Exact`] lays a ball to rest on a wall off which it would bounce more slowly than u, and balls that
-    ///   hold each other in balance, to a thousandth of gravity g, together, until something hits them faster than 2u.
-    ///   What leans on a ball at rest hops off it at u/2 at least. Balls that chatter lose no energy: those that hit
-    ///   each other more slowly than u and within 2u/g of an impact before, or faster, under gravity, but within
-    ///   2u²/1000g of its place. Without gravity the demo's g counts, and a crush, whose impacts have no end, stops all
-    ///   that is in it.
-    /// - [`Solver::Contact`] leaves impacts slower than u out of the tally in its substeps under gravity, and moves nothing
-    ///   otherwise. Where it takes none, it does as [`Solver::Exact`], but that a ball rests on a wall which it comes to more slowly
-    ///   than u, however strong gravity is, and that balls which chatter are left to substeps.
-    /// - [`Solver::Canvas`] does not know it.
+    /// What it does with [`Solver::Exact`], under gravity g (without gravity, the demo's 980 px/s² counts):
     ///
-    /// With a smaller one `exact` follows more, and smaller, bounces: the hops that it leaves out are up to u²/2g high,
-    /// a ball that bounces to rest does so up to 2u/g/(1 − e) seconds too early, hops of all balls, of mass M together,
-    /// add about ½Mu²/4 to the energy at most as a rule, up to twice that where two dozen or more press on each other,
-    /// and some ½Mu² where masses differ by many powers of ten or balls are fixed, and the number of chattering impacts
-    /// of balls that lie on each other grows as 1/u. Under gravity stronger than the demo's 980 px/s² it takes u as
-    /// larger in proportion; and it takes u as smaller where hops of more than a hundredth of the smallest radius would
-    /// be left out.
+    /// - A ball comes to rest on a wall off which it would bounce more slowly than u.
+    /// - Balls that hold each other in balance, to a thousandth of g, come to rest together, until something hits them
+    ///   faster than 2u. What leans on a ball at rest hops off it at u/2 at least.
+    /// - Balls that chatter lose no energy: those that hit each other more slowly than u and within 2u/g of an impact
+    ///   before, or faster, under gravity, but within 2u²/1000g of its place.
+    /// - Without gravity, a crush, whose impacts have no end, stops all that is in it.
+    /// - Where g is more than 980 px/s², u counts as larger in proportion; where hops of more than a hundredth of the
+    ///   smallest radius would be left out, as smaller.
+    ///
+    /// What that costs in accuracy, for a restitution e and balls of mass M together:
+    ///
+    /// | | at most |
+    /// |---|---|
+    /// | height of a hop that is left out | u²/2g |
+    /// | how much too early a ball comes to rest | 2u/g/(1 − e) |
+    /// | energy that hops add, as a rule | ½Mu²/4 |
+    /// | the same, where two dozen balls or more press on each other | ½Mu²/2 |
+    /// | the same, where masses differ by many powers of ten, or balls are fixed | about ½Mu² |
+    ///
+    /// The number of chattering impacts of balls that lie on each other grows as 1/u.
+    ///
+    /// The other solvers:
+    ///
+    /// - [`Solver::Contact`] in its substeps leaves impacts slower than u out of the [tally](Self::tally) under gravity; nothing
+    ///   moves otherwise. Where it takes no substeps, it does as [`Solver::Exact`], but a ball rests on a wall that it comes to
+    ///   more slowly than u, however strong gravity is, and balls that chatter are left to substeps.
+    /// - [`Solver::Canvas`] has no rest speed.
     ///
     /// # Errors
     /// [`OutOfRange`] where the speed is not in the range of rest speeds.
@@ -112,18 +123,24 @@ impl Simulation {
         Ok(self)
     }
 
-    /// The same simulation with so many substeps in a second for [`Solver::Contact`], the only one that takes any. Left
-    /// to itself it takes 240, or 120 or 180 where many like balls under gravity are hardly hit and none carries
-    /// hundreds, or 360 where five hundred and more may lie in so many layers that these times g·h² are more than 0.11 of a
-    /// ball's size; and a multiple of that where gravity g is strong beside the smallest radius r, so that g·h² stays under
-    /// r/100, for the h seconds of one of 240.
+    /// Sets the number of substeps in a second, from 24 to 245,760, for [`Solver::Contact`]; other solvers take none.
     ///
-    /// Balls without gravity take none unless a number is given: they go from impact to impact, as with [`Solver::Exact`]. So do
-    /// up to forty under gravity while none lies on others, and any number that do not notice each other.
+    /// Unless told otherwise, the solver chooses:
     ///
-    /// Balls that fly, and meet one after the other, do so to rounding whatever the number. With fewer substeps than it
-    /// would choose, piles sink in by up to a few times g·h², and what lies on a wall of restitution 1 hops as high;
-    /// with more, cost grows in proportion.
+    /// | balls | substeps in a second |
+    /// |---|---|
+    /// | under gravity, as a rule | 240 |
+    /// | many like balls under gravity that are hardly hit, and of which none carries hundreds | 120 or 180 |
+    /// | 500 and more that may lie in many layers: these times g·h² are more than 0.11 of a ball's size | 360 |
+    /// | under gravity that is strong beside the smallest radius r | a multiple of these, so that g·h² is under r/100 |
+    /// | without gravity; up to forty, while none lies on others; all that do not notice each other | none |
+    ///
+    /// There, g is gravity, and h are the seconds of a substep where 240 are taken, or that multiple of 240. Balls that take none
+    /// go from impact to impact, as with [`Solver::Exact`]; where a number is given, they take substeps, too.
+    ///
+    /// Balls that fly, and meet one after the other, do so to rounding whatever the number. With fewer substeps than the solver
+    /// would choose, piles sink in by up to a few times g·h², and what lies on a wall of restitution 1 hops as high; with more,
+    /// cost grows in proportion.
     ///
     /// # Errors
     /// [`OutOfRange`] where the number is not in the range of [`limits::SUBSTEPS`].
@@ -163,8 +180,11 @@ impl Simulation {
         self.tuning.rest_speed
     }
 
-    /// Moves on by `seconds`, from 0 to [`limits::DELTA`]'s upper end. What a delta of 0 does is up to the solver:
-    /// `canvas` looks for contacts, as the demo does in its first frame.
+    /// Moves on by `seconds`, from 0 to 10⁶ ([`limits::DELTA`]). A delta of 0 is a frame, too: `canvas` looks for
+    /// contacts, as the demo does in its first frame; `exact`, and `contact` where it goes from impact to impact, take the
+    /// impacts that are due at this time.
+    ///
+    /// Rain does not fall by itself: see [`Rain::advance`](crate::scene::Rain::advance).
     ///
     /// # Errors
     /// [`OutOfRange`] for a delta that is negative, too large or not a number; nothing has moved then.
@@ -202,7 +222,9 @@ impl Simulation {
         &self.balls
     }
 
-    /// For each ball, whether it touched another in the last frame. All `false` where the world has no pairs.
+    /// For each ball, whether it touched another in the last frame; what leans on another touches it, too. All `false` before
+    /// the first frame, and where the world has no pairs. Where pairs are only detected ([`Pairs::Detect`]), `contact` tells who
+    /// overlaps at the frame's end.
     #[must_use]
     pub fn touching(&self) -> &[bool] {
         &self.touching
@@ -279,7 +301,8 @@ impl Simulation {
         Some(ball)
     }
 
-    /// Gives the ball of this index, from 0, another velocity, px/s. Nothing happens where there is no such ball.
+    /// Gives the ball of this index, from 0, another velocity, px/s; its place stays. Where there is no such ball, nothing happens,
+    /// and that is no error.
     ///
     /// # Errors
     /// [`OutOfRange`] where a component is not in the range of velocities, which for a fixed ball is 0 alone; nothing
@@ -291,8 +314,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Moves the ball of this index, from 0, to another place, px: inside the walls, where there are any. Nothing
-    /// happens where there is no such ball.
+    /// Moves the ball of this index, from 0, to another place, px, or to the nearest one inside the walls, where there are any. Its
+    /// velocity stays. The place may be taken: the balls overlap then, as balls may at the beginning. Where there is no such ball,
+    /// nothing happens, and that is no error.
     ///
     /// # Errors
     /// [`OutOfRange`] where a coordinate is not in its range; nothing has changed then.

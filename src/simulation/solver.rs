@@ -12,16 +12,30 @@ use super::grid::Grid;
 use super::hybrid::Hybrid;
 use super::world::World;
 
-/// The ways of moving a simulation on.
+/// The ways of moving a simulation on. What each of them is held to, [`Law`](super::ledger::Law) tells law by law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Solver {
-    /// The canvas demo's frame step, bit for bit; its result depends on the frame rate.
+    /// The canvas demo's frame step, bit for bit: one step a frame, of whatever length.
+    ///
+    /// - For the demo as it is, and for comparison with it.
+    /// - Not for physics: the result depends on the frame rate, fast balls pass through each other, and balls in a pile
+    ///   overlap.
+    /// - The same deltas give the same bits as the demo's JavaScript.
     Canvas,
-    /// Event-driven: exact between and at impacts, whatever the frame rate.
+    /// Event-driven: from impact to impact, each at its very time.
+    ///
+    /// - For what flies and bounces: gases, cradles, single shots.
+    /// - Not for large piles in real time: its work grows with the number of impacts.
+    /// - Exact to rounding between and at impacts, with the same result at every frame rate; no ball passes through anything.
     Exact,
-    /// Substeps in which all contacts are solved together: large piles in real time, whatever the frame rate. Where nothing
-    /// presses balls together, as without gravity and among few that fly, bounce and slide, they are moved from impact to impact,
-    /// as by `Exact`.
+    /// Substeps in which all contacts are solved together. Where nothing presses balls together, as without gravity and among
+    /// few that fly, bounce and slide, they are moved from impact to impact, as by `Exact`.
+    ///
+    /// - For what lies on other things: piles of thousands of balls in real time, on several threads if it may.
+    /// - Not for exact times of impacts in a crowd under gravity: within a substep they are only about right, and balls overlap a
+    ///   little where they are pressed together.
+    /// - The same result at every frame rate and for any number of threads; no ball passes through a wall, nor through another, but
+    ///   where fast ones press on much lighter ones under gravity.
     Contact,
 }
 

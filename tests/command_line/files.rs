@@ -47,7 +47,7 @@ fn outputs_are_written_whole_or_not_at_all() {
         &here,
         &["run", "draw", "--image", "none/it.png"],
         1,
-        "none/it.png: there is no folder none; no file was written; make the folder first",
+        "none/it.png: there is no folder none; this file was not written; make the folder first",
     );
     fail(&here, &["run", "draw", "--trace", "t.csv", "--image", "none/it.png"], 1, "none/it.png");
     #[cfg(target_os = "linux")]
@@ -65,6 +65,40 @@ fn a_device_is_written_to_and_not_replaced() {
     let here = folder();
     succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "/dev/null"]);
     assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn of_two_outputs_one_of_which_fails_only_that_one_is_said_not_to_be_written() {
+    let here = folder();
+    let outputs = ["--trace", "ok.csv", "--image", "/dev/full", "--summary", "s.json"];
+    let args = [&["run", "gravity", "--seconds", "1"][..], &outputs].concat();
+    fail(&here, &args, 1, "; this file was not written; check");
+    assert_eq!(names(here.path()), ["ok.csv", "s.json"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_scene_file_is_run_and_printed_whatever_bytes_its_name_has() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let here = folder();
+    let name = OsStr::from_bytes(b"B\xe4lle.toml");
+    let scene = succeed(&here, &["scene", "draw"]);
+    fs::write(here.path().join(name), &scene).unwrap();
+    let call = |args: &[&OsStr]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_carom"));
+        command.args(args).current_dir(here.path()).output().unwrap()
+    };
+    let [run, print, seconds, zero, trace] = ["run", "scene", "--seconds", "0", "--trace"].map(OsStr::new);
+    assert_eq!(stdout(&call(&[print, name])), scene);
+    let ran = call(&[run, name, seconds, zero]);
+    assert!(ran.status.success(), "{}", stderr(&ran));
+    // Nor is it written over, by any path to it.
+    assert_eq!(call(&[run, name, seconds, zero, trace, name]).status.code(), Some(2));
+    let none = call(&[run, OsStr::from_bytes(b"no\xe4.toml")]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(stderr(&none).contains("no\u{fffd}.toml: No such file"), "{}", stderr(&none));
 }
 
 #[cfg(target_os = "linux")]

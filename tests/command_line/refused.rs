@@ -7,6 +7,8 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
     let here = folder();
     fs::write(here.path().join("bad.toml"), "[[ball]]\nposition = [1, 2]\nradius = -1\n").unwrap();
     fs::write(here.path().join("heavy.toml"), "gravity = [0, 99999999999999999999]\n").unwrap();
+    let full = "size = [99, 99]\n[[ball]]\nposition = [50, 50]\nradius = 999\nwide = true\n";
+    fs::write(here.path().join("full.toml"), full).unwrap();
     fs::write(here.path().join("bad.txt"), "0\n0.1\nsoon\n").unwrap();
     fs::write(here.path().join("negative.txt"), "-1\n").unwrap();
     fs::write(here.path().join("empty.txt"), "# nothing\n").unwrap();
@@ -18,7 +20,7 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         (&["run", "nosuch"], "there is no scene \"nosuch\"; choose from: draw"),
         (&["run", "nosuch.toml"], "nosuch.toml: "),
         (&["run", "bad.toml"], "bad.toml:3: radius is -1 px"),
-        (&["run", "heavy.toml"], "heavy.toml:1: gravity is 1e20"),
+        (&["run", "heavy.toml"], "heavy.toml:1: y of gravity is 1e20"),
         (&["run", "binary.toml"], "binary.toml:1: this is not UTF-8; save the file in that encoding"),
         (&["run", "latin.toml"], "latin.toml:2: this is not UTF-8"),
         (&["run", "draw", "--commands", "cut.replay"], "cut.replay:3: the file ends within this line"),
@@ -36,6 +38,7 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         (&["run", "draw", "--size", "0x10"], "size is 0 px; it must be from 1"),
         (&["run", "draw", "--size", "99999999999x1"], "size is 9.9999999999e10 px; it must be from 1"),
         (&["run", "draw", "--size", "wide"], "such as 1280x720"),
+        (&["run", "draw", "--size", "-1x5"], "write width and height in whole px, such as 1280x720"),
         (&["run", "draw", "--every", "0", "--trace", "-"], "write a whole number from 1, such as 10"),
         (&["run", "draw", "--every", "3"], "--trace <FILE.csv>"),
         (&["run", "draw", "--image", "it.jpg"], "what is written is a png; name it it.png"),
@@ -53,8 +56,15 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
         (&["run", "draw", "--balls", "-5"], "write a whole number from 0 to 10000000, such as 50"),
         (&["run", "draw", "--balls", "99999999999"], "balls are too many; the most is 10000000"),
         (&["run", "gravity", "--size", "100x100"], "wider than the world (100x100 px)"),
-        (&["run", "draw", "--size", "100000x100000", "--image", "it.png"], "give a smaller --size"),
-        (&["run", "draw", "--size", "70000x10", "--gif", "it.gif"], "at most 65535x65535 px"),
+        (&["run", "draw", "--size", "100000x100000", "--image", "it.png"], "and at least 1x1 px (--size)"),
+        (
+            &["run", "draw", "--size", "70000x10", "--gif", "it.gif"],
+            "at most 65535x65535 px, not 70000x10; ask for a smaller world (--size)",
+        ),
+        (
+            &["run", "full.toml", "--balls", "3"],
+            "found room; ask for fewer, or for a larger world (--balls, --size)",
+        ),
         #[cfg(feature = "window")]
         (&["gravity", "--size", "100x100"], "wider than the world (100x100 px)"),
         (&["nosuch"], "there is no scene \"nosuch\""),

@@ -15,9 +15,9 @@ const WRONG: &[(&str, usize, &str)] = &[
     ("size = 1280", 1, "expected two numbers, such as [1280, 720]"),
     ("[[ball]]\nposition = 3\nradius = 3", 2, "expected two numbers, such as [30, 50]"),
     ("ball = [{ radius = 3, position = [1, 2], velocity = 5 }]", 1, "such as [-100, 390]"),
-    ("gravity = [0, nan]", 1, "gravity is NaN px/s²; it must be from -1e9 to 1e9 px/s²"),
-    ("size = [0, 720]", 1, "size is 0 px; it must be from 1 to 1e6 px"),
-    ("size = [1280, 0.5]", 1, "size is 0.5 px; it must be from 1 to 1e6 px"),
+    ("gravity = [0, nan]", 1, "y of gravity is NaN px/s²; it must be from -1e9 to 1e9 px/s²"),
+    ("size = [0, 720]", 1, "width of size is 0 px; it must be from 1 to 1e6 px"),
+    ("size = [1280, 0.5]", 1, "height of size is 0.5 px; it must be from 1 to 1e6 px"),
     (
         "solver = \"magic\"",
         1,
@@ -31,7 +31,11 @@ const WRONG: &[(&str, usize, &str)] = &[
     ("walls = [0.5]", 1, "expected a table: [walls]"),
     ("[[rain]]\nrate = 2\nradius = 3", 1, "expected a table: [rain]"),
     ("ball = [[[1, 2], 3]]", 1, "expected a table: [[ball]]"),
-    ("[[ball]]\nposition = [1, 2]", 1, "missing field `radius`; add radius = 30"),
+    (
+        "[[ball]]\nposition = [1, 2]",
+        1,
+        "missing field `radius`; add radius = 30, in px; in a world less than",
+    ),
     ("[[ball]]\nradius = 5", 1, "missing field `position`; add position = [30, 50]"),
     ("[[fill]]\nradius = 5", 1, "missing field `count`; add count = 1000"),
     ("[rain]\nradius = 5", 1, "missing field `rate`; add rate = 200"),
@@ -83,6 +87,17 @@ const WRONG: &[(&str, usize, &str)] = &[
     ),
     ("[pairs]\nresponse = impulse", 2, "text stands in quotes; write response = \"impulse\""),
     ("[pairs]\nresponse = detect", 2, "text stands in quotes; write response = \"detect\""),
+    ("[pairs]\nresponse = 1", 2, "write response = \"impulse\"; choose from: impulse, detect"),
+    ("[pairs]\nresponse = true", 2, "write response = \"impulse\"; choose from: impulse, detect"),
+    ("[pairs]\nresponse = bounce", 2, "write response = \"impulse\"; choose from: impulse, detect"),
+    ("solver = 1", 1, "expected a string; write solver = \"exact\"; choose from: canvas, exact, contact"),
+    (
+        "solver = [1]",
+        1,
+        "invalid type: array, expected a string; write solver = \"exact\"; choose from: canvas",
+    ),
+    ("solver = verlet", 1, "write solver = \"exact\"; choose from: canvas, exact, contact"),
+    ("solver =", 1, "solver has no value; write solver = \"exact\"; choose from: canvas, exact, contact"),
     ("solver = contact # for piles", 1, "text stands in quotes; write solver = \"contact\""),
     (
         "[[ball]]\nposition = [1, 2]\nradius = 3\nfixed = False",
@@ -128,10 +143,19 @@ const WRONG: &[(&str, usize, &str)] = &[
     ("[[fill]]\ncount = 1e3\nradius = 3", 2, "invalid type: number `1000.0`, expected a whole number"),
     ("[[ball]]\nposition = [1, 2]\nradius = 0", 3, "radius is 0 px; it must be from 1e-6 to 1e9 px"),
     ("[[ball]]\nposition = [1, 2]\nradius = -3", 3, "radius is -3 px"),
-    ("[[ball]]\nposition = [1, inf]\nradius = 3", 2, "position is inf px; it must be from -1e9 to 1e9 px"),
+    (
+        "[[ball]]\nposition = [1, inf]\nradius = 3",
+        2,
+        "y of position is inf px; it must be from -1e9 to 1e9 px",
+    ),
+    (
+        "[[ball]]\nposition = [nan, 2]\nradius = 3",
+        2,
+        "x of position is NaN px; it must be from -1e9 to 1e9 px",
+    ),
     ("[[ball]]\nposition = [1, 2]\nradius = \"3\"", 3, "expected a number, such as 12 or 0.5"),
     ("[[ball]]\nposition = [1, 2]\nradius = 3\nmass = 0", 4, "mass is 0; it must be from 1e-30 to 1e30"),
-    ("[[ball]]\nposition = [1, 2]\nradius = 3\nvelocity = [1e300, 0]", 4, "velocity is 1e300 px/s"),
+    ("[[ball]]\nposition = [1, 2]\nradius = 3\nvelocity = [1e300, 0]", 4, "x of velocity is 1e300 px/s"),
     ("[[ball]]\nposition = [1, 2]\nradius = 3\nrestitution = -0.1", 4, "restitution is -0.1"),
     ("[[ball]]\nposition = [1, 2]\nradius = 3\ncolour = 1", 4, "unknown field `colour`"),
     (
@@ -223,7 +247,7 @@ fn a_fill_whose_region_the_world_has_lost_says_so() {
     let scene = Scene::parse("it.toml", text).unwrap();
     let error = scene.clone().with_size(DVec2::new(400.0, 300.0)).unwrap().build().unwrap_err().to_string();
     assert!(
-        error.contains("its region reaches beyond this world of 400x300 px; ask for a larger --size"),
+        error.contains("its region reaches beyond this world of 400x300 px; ask for a larger one"),
         "{error}"
     );
     assert!(scene.with_size(DVec2::new(900.0, 300.0)).unwrap().build().is_ok(), "what is left has room");

@@ -24,10 +24,11 @@ use measures::{
     momentum_scale, stays_inside, wall_tolerance,
 };
 
-/// How much [`Solver::Contact`] may add to the energy under gravity, as a part of the most that was there.
+/// How much [`Solver::Contact`] may add to the energy under gravity in frames in which no ball is fast, as a part of the largest
+/// energy that there was.
 pub const CONTACT_LIFT: f64 = 1e-2;
-/// The same, in all, in frames in which a ball is fast, or was in the one before: it moves farther than its radius in a
-/// substep.
+/// How much it may add in all frames together in which a ball is fast, as a part of the same. A ball is fast where it moves farther
+/// than its radius in a substep, by its velocity at the end of the frame or at the end of the one before.
 pub const CONTACT_LIFT_OF_FAST: f64 = 0.5;
 /// What rounding may add to an energy or a momentum in a run of an hour, as a part of the largest that was seen.
 const ROUNDING: f64 = 1e-9;
