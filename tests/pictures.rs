@@ -77,7 +77,7 @@ fn a_world_too_large_to_paint_is_refused() {
     let world = World::new(DVec2::splat(1e6)).unwrap();
     let simulation = Simulation::new(world, Vec::new(), Solver::Canvas).unwrap();
     let error = paint::picture(&simulation).unwrap_err().to_string();
-    assert!(error.contains("1000000x1000000 px") && error.contains("--size"), "{error}");
+    assert!(error.contains("1000000x1000000 px") && error.contains("134217728 px in all"), "{error}");
 }
 
 /// The scene after some frames at 60 Hz, painted at a scale, against the picture of that name in tests/data.
