@@ -3,7 +3,7 @@
 //! A wall that comes nearer moves what it meets, and that what is behind it: places change, velocities do not. Left in each
 //! other, balls would have to part by themselves, and the energy for that would come from nowhere.
 
-use glam::DVec2;
+use glam::{BVec2, DVec2};
 
 use super::ball::Ball;
 use super::grid::Grid;
@@ -25,6 +25,8 @@ const DIRECTED: u32 = 16;
 /// has no room along itself, and never would leave it.
 const STRAIGHT: u32 = 2;
 const ASIDE: f64 = 0.3;
+/// A ball is beside a wall that is no farther away than so many of its radii.
+const BESIDE: f64 = 2.0;
 /// A wall moves in steps of the smallest radius, but in so many at most.
 const STEPS: f64 = 128.0;
 /// Balls are apart where they overlap by less than this part of the distance at which they touch: solvers take that for
@@ -61,7 +63,8 @@ pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way
         }
         moved |= pushed;
         if pushed && gives_way {
-            take_apart_in(&world, balls, if step == steps { most_sweeps(balls) } else { SWEEPS_OF_STEP });
+            let sweeps = if step == steps { most_sweeps(balls) } else { SWEEPS_OF_STEP };
+            take_apart_in(&world, balls, from.cmpgt(world.size), sweeps);
         }
     }
     moved
@@ -90,7 +93,7 @@ pub(super) fn bring_strays_in(world: &World, balls: &mut [Ball], solver: Solver)
 /// Moves balls that overlap apart, none of them through a wall, as far as there is room; fixed ones stay.
 pub(super) fn take_apart(world: &World, balls: &mut [Ball]) {
     if has_room(world, balls) {
-        take_apart_in(world, balls, most_sweeps(balls));
+        take_apart_in(world, balls, BVec2::FALSE, most_sweeps(balls));
     }
 }
 
@@ -110,10 +113,11 @@ fn filled(world: &World, balls: &[Ball]) -> f64 {
     area / (world.size.x * world.size.y)
 }
 
-/// The same in so many sweeps at most: away from the walls that may have moved, as long as that helps.
-fn take_apart_in(world: &World, balls: &mut [Ball], sweeps: u32) {
+/// The same in so many sweeps at most: away from the walls that have moved along these axes, as long as that helps; or from all.
+fn take_apart_in(world: &World, balls: &mut [Ball], moved: BVec2, sweeps: u32) {
     // Walls move at the right and below.
-    let far = |ball: &Ball| (world.size - ball.position).min_element();
+    let counts = if moved.any() { moved } else { BVec2::TRUE };
+    let far = |ball: &Ball| DVec2::select(counts, world.size - ball.position, DVec2::INFINITY).min_element();
     let mut grid = Grid::new(balls, world.size);
     let mut pairs = Vec::new();
     for sweep in 0..sweeps {
@@ -140,8 +144,8 @@ fn take_apart_in(world: &World, balls: &mut [Ball], sweeps: u32) {
     }
 }
 
-/// Moves two balls apart, a part of that to the side: the one behind by its share, and towards the middle of the world, if it can
-/// be, and the one nearer to the walls by the rest. Whether they overlapped.
+/// Moves two balls apart, a part of that to the side: the one behind by its share, if it can be, and the one nearer to the walls by
+/// the rest. Whether they overlapped.
 fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share: f64, aside: f64) -> bool {
     let offset = balls[behind].position - balls[near].position;
     let (distance, reach) = (offset.length(), balls[near].radius + balls[behind].radius);
@@ -151,8 +155,12 @@ fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share
     let straight = if distance > 0.0 { offset / distance } else { any_offset(near, behind, 1.0) };
     // The other goes the opposite way: both to one side, they would stay in each other.
     let (moved, along) = if balls[behind].is_fixed() { (near, -straight) } else { (behind, straight) };
-    let inward = (0.5 * world.size - balls[moved].position).dot(along.perp());
-    let way = (straight + straight.perp() * aside.copysign(inward)).normalize();
+    let Ball { position, radius, .. } = balls[moved];
+    let inward = (0.5 * world.size - position).dot(along.perp());
+    // Beside a wall there is no other side, and elsewhere all to the middle would make a mountain of a level pile.
+    let gap = (position - radius).min(world.size - radius - position).min_element();
+    let side = if gap < BESIDE * radius || moved.is_multiple_of(2) { inward } else { -inward };
+    let way = (straight + straight.perp() * aside.copysign(side)).normalize();
     let depth = reach - distance;
     let mut left = depth + (FARTHER * reach).min(FARTHER_AT_MOST * depth);
     for (index, way, share) in [(behind, way, share), (near, -way, 1.0), (behind, way, 1.0)] {

@@ -367,6 +367,35 @@ fn a_pile_at_rest_is_not_shaken_by_what_is_done_to_the_ball_on_its_top() {
 }
 
 #[test]
+fn a_level_pile_stays_level_when_the_floor_rises_under_it() {
+    /// The heights of a pile over eight parts of its floor, px.
+    fn heights(simulation: &Simulation) -> [f64; 8] {
+        let size = simulation.world().size();
+        let mut heights = [0.0_f64; 8];
+        for ball in simulation.balls() {
+            let part = (8.0 * ball.position().x / size.x) as usize;
+            heights[part.min(7)] = heights[part.min(7)].max(size.y - ball.position().y + ball.radius());
+        }
+        heights
+    }
+    for steps in [1, 22] {
+        let mut simulation = Scene::load("pile").unwrap().build().unwrap();
+        simulation.advance(5.0).unwrap();
+        let before = heights(&simulation);
+        for step in 1..=steps {
+            let up = 220.0 * f64::from(step) / f64::from(steps);
+            simulation.resize(DVec2::new(1280.0, 720.0 - up)).unwrap();
+            simulation.advance(FRAME).unwrap();
+        }
+        simulation.advance(5.0).unwrap();
+        for (now, then) in heights(&simulation).into_iter().zip(before) {
+            // Three balls, of a pile two dozen high.
+            assert!((now - then).abs() < 40.0, "in {steps} steps: {now} px high, {then} before");
+        }
+    }
+}
+
+#[test]
 fn what_sleeps_falls_when_what_carries_it_is_taken_away() {
     type Edit<'a> = &'a dyn Fn(&mut Simulation);
 
