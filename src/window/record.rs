@@ -9,7 +9,7 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -63,7 +63,8 @@ impl UnderWay {
         match self.saved.recv_timeout(LAST_WAIT) {
             Ok(Ok(path)) => format!("saved {}", path.display()),
             Ok(Err(error)) => format!("no recording saved: {error}"),
-            Err(_) => "no recording saved: there was no time to finish it".to_owned(),
+            Err(RecvTimeoutError::Timeout) => "no recording saved: there was no time to finish it".to_owned(),
+            Err(RecvTimeoutError::Disconnected) => "no recording saved: what writes it has ended".to_owned(),
         }
     }
 }

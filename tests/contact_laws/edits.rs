@@ -463,3 +463,53 @@ fn an_impact_is_counted_once_whatever_is_done_elsewhere_between_frames() {
         assert!(off < 1e-3, "{rate} frames a second: {off} px");
     }
 }
+
+#[test]
+fn a_pile_gains_next_to_no_energy_where_gravity_becomes_weaker_or_walls_are_moved() {
+    let text = "solver = \"contact\"\nsize = [500, 400]\ngravity = [0, 980]\n[walls]\nrestitution = 0.5\n[pairs]\n\
+                [[fill]]\ncount = 400\nradius = [5, 8]\nrestitution = 0.5\n";
+    for (sleep, edit) in [true, false].into_iter().flat_map(|sleep| (0..4).map(move |edit| (sleep, edit))) {
+        let mut simulation = Scene::parse("pile", text).unwrap().build().unwrap().with_sleep(sleep);
+        simulation.advance(6.0).unwrap();
+        match edit {
+            0 => simulation.set_gravity(DVec2::new(0.0, 98.0)).unwrap(),
+            1 => simulation.set_gravity(DVec2::new(0.0, 1.0)).unwrap(),
+            2 => simulation.resize(DVec2::new(520.0, 400.0)).unwrap(),
+            _ => {
+                simulation.remove(0);
+            }
+        }
+        let start = energy(&simulation);
+        let rise = rise(&mut simulation, 180);
+        assert!(rise < 3e-3 * start, "edit {edit}, sleep {sleep}: {rise} of {start}");
+    }
+}
+
+#[test]
+fn what_was_put_elsewhere_is_hit_by_nothing_where_it_was_also_within_a_substep() {
+    let balls = [(450.0, 1000.0), (550.0, -1000.0)];
+    let balls =
+        balls.map(|(x, speed)| moving(ball(x, 500.0, 10.0), speed, 0.0).with_restitution(1.0).unwrap());
+    let mut simulation = simulation(world(1000.0, 1000.0, 1.0).with_gravity(EARTH).unwrap(), balls.to_vec());
+    simulation = simulation.with_substeps(24).unwrap();
+    // They would meet 0.04 s from the beginning: in a substep that ends later.
+    simulation.advance(0.03).unwrap();
+    let seen = simulation.balls()[0];
+    simulation.set_position(1, DVec2::new(100.0, 100.0)).unwrap();
+    simulation.advance(0.02).unwrap();
+    let off = simulation.balls()[0].position().x - (seen.position().x + 20.0);
+    assert!(off.abs() < 1e-6, "{off} px");
+}
+
+#[test]
+fn walls_that_are_moved_at_a_substeps_end_move_no_ball_that_is_clear_of_them() {
+    for short in [0.0, 1e-13, 3e-13, 1e-12, 1e-11, 1e-9] {
+        let mut simulation = lying(41, vec![moving(ball(100.0, 100.0, 10.0), 1000.0, 0.0)]);
+        simulation = simulation.with_substeps(24).unwrap();
+        simulation.advance(1.0 / 24.0 - short).unwrap();
+        simulation.resize(DVec2::new(4100.0, 2000.0)).unwrap();
+        simulation.advance(1.0 / 24.0).unwrap();
+        let off = simulation.balls()[41].position().x - (100.0 + 1000.0 / 12.0);
+        assert!(off.abs() < 1e-3, "{short} s before: {off} px");
+    }
+}

@@ -240,7 +240,7 @@ fn what_hits_a_heap_of_hundreds_parts_from_it_as_fast_as_its_restitution_has_it(
             hit.advance(1e-4).unwrap();
             parts = relative(&hit);
         }
-        assert!(approach > 100.0, "at {x} px");
+        assert!(approach > 100.0 && parts < 0.7 * approach, "at {x} px {approach}, then {parts}");
         others += u32::from((parts / approach - 0.5).abs() >= 0.01);
     }
     // Some hit two at one time, or another comes nearer just then.

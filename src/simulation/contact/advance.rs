@@ -30,9 +30,11 @@ impl Advance for Contact {
                 self.sleep_until(last);
                 break;
             }
-            // One stripe is not worth waking threads for, and balls never become fewer.
+            // One stripe is not worth waking threads for.
             if Layout::of(self.bodies.len()).is_cut() {
                 self.team.start(self.tuning.threads);
+            } else {
+                self.team = Team::default();
             }
             let team = self.team.clone();
             team.gather(|| {

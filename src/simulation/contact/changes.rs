@@ -16,7 +16,7 @@ use super::team::Team;
 use super::unlike::Crush;
 use super::wall_support::any_jams;
 use super::wedges::FLAT_UNDER_SLEEPER;
-use super::{Contact, Setting, can_rest, has_pairs};
+use super::{Contact, Setting, can_rest, has_pairs, is_few};
 
 impl Contact {
     /// Takes over what it needs to know of a world and its balls together, if it still suits them.
@@ -57,10 +57,14 @@ impl Contact {
     pub(super) fn remove(&mut self, world: &World, balls: &[Ball], index: usize) -> bool {
         let Some(at) = self.body_of(index) else { return false };
         let is_within = self.remainder().is_some();
-        if is_within && self.is_loose() && self.is_hit_later(at) || !self.adapt(world, balls) {
+        // Few that nothing holds may go from impact to impact.
+        let become_few = is_few(balls) && !self.hands_back && self.tuning.substeps.is_none();
+        if (become_few || is_within && self.is_hit_later(at)) && self.is_loose() || !self.adapt(world, balls)
+        {
             return false;
         }
         self.free_by_hand(at);
+        self.substeps.stir();
         let count = self.bodies.len() as u32;
         self.bodies.remove(at);
         self.restitutions.remove(at);
@@ -91,6 +95,9 @@ impl Contact {
             return false;
         }
         let remainder = self.remainder();
+        if remainder.is_some() && self.is_loose() && self.is_hit_later(at) {
+            return false;
+        }
         let flown = remainder.map(|remainder| {
             let way = remainder.way(ball);
             let is_free = !(self.leads_out(way) || self.comes_into(way, balls, Some(at), remainder.left));
@@ -124,6 +131,7 @@ impl Contact {
         if !self.adapt(world, balls) {
             return false;
         }
+        self.substeps.stir();
         let (kick, change) = (self.setting.kick, self.setting.gravity - old.gravity);
         for &at in &flying {
             // As fast as it was at the substep's end, half a substep before.
@@ -146,7 +154,8 @@ impl Contact {
         if remainder.is_some() && self.is_loose() {
             return false;
         }
-        let share = remainder.map_or(0.0, |_| self.share());
+        // Where it is over, all are at its end.
+        let share = remainder.map_or(1.0, |_| self.share());
         let moved: Vec<DVec2> = (0..self.bodies.len())
             .map(|at| {
                 let ball = &balls[self.ids[at] as usize];
@@ -157,6 +166,7 @@ impl Contact {
         if !self.adapt(world, balls) {
             return false;
         }
+        self.substeps.stir();
         self.leave_walls(world.size.cmpgt(old));
         self.wake(|at| moved[at] != DVec2::ZERO);
         for (body, &by) in self.bodies.iter_mut().zip(&moved).filter(|(body, _)| body.inverse_mass > 0.0) {

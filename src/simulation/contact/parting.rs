@@ -43,6 +43,9 @@ impl Parting {
             (self.left, self.first) = (TIME, Some(first));
             // Those that have not parted in their time carry something: they are not let go of again.
             self.known.clear();
+        } else {
+            // None but those that were put elsewhere may have been looked for until now.
+            self.first = self.first.map(|before| before.min(first));
         }
     }
 

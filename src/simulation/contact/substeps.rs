@@ -91,10 +91,16 @@ impl Substeps {
         Self { rate, shortened, finer, of_one_size, most, deep, count: most, next: most, calm: 0 }
     }
 
-    /// The same for more balls, unless these ask for shorter beats, or more substeps in them.
+    /// The same for other balls, or another gravity, unless these ask for beats of another length, or other numbers of substeps in them.
     pub(super) fn with(&self, world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
         let Self { rate, finer, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
         ((rate, most) == (self.rate, self.most)).then_some(Self { finer, of_one_size, deep, ..*self })
+    }
+
+    /// Takes it that what goes on is no rest any more: something was changed from outside. What overlaps of other loads push then gains no
+    /// energy.
+    pub(super) fn stir(&mut self) {
+        self.calm = 0;
     }
 
     /// Has the next beat of so many.

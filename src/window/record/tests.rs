@@ -203,7 +203,7 @@ fn a_recording_that_is_ended_from_elsewhere_has_its_end_there_and_what_is_not_kn
     let (frames, (tell, saved)) = (recorder.frames.clone().unwrap(), mpsc::channel());
     drop(tell);
     let lost = UnderWay { frames, start: setting.start, saved }.end(setting.at(300));
-    assert_eq!(lost, "no recording saved: there was no time to finish it");
+    assert_eq!(lost, "no recording saved: what writes it has ended");
     let recorded = outcome(&mut recorder).unwrap();
     assert_eq!(recorded.path, setting.path(1));
     let seen = setting.seen();
