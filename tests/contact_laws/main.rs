@@ -1,5 +1,6 @@
 //! The laws that `contact` keeps: each on the smallest case that shows it. Here is what they are shown on.
 
+mod changes;
 mod crushes;
 mod edits;
 mod frames;
