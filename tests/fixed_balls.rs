@@ -284,6 +284,29 @@ fn exact_and_contact_agree_where_a_ball_meets_a_few_fixed_ones() {
     }
 }
 
+/// They were taken as many, with all that many get: substeps from the start, and few impacts for each.
+#[test]
+fn few_balls_fly_among_hundreds_of_fixed_ones_with_contact_as_with_exact() {
+    let pegs = (0..20).flat_map(|row| {
+        let shift = if row % 2 == 0 { 0.0 } else { 25.0 };
+        (0..20).map(move |column| {
+            peg(30.0 + 50.0 * f64::from(column) + shift, 150.0 + 45.0 * f64::from(row), 6.0)
+        })
+    });
+    let mut balls: Vec<_> = pegs.collect();
+    balls.extend((0..8).map(|k| soft(ball(100.0 + 97.0 * f64::from(k), 40.0, 7.0), 0.8)));
+    let world = boxed(1050.0, 1100.0, 0.7, EARTH);
+    let [mut exact, mut contact] =
+        [Solver::Exact, Solver::Contact].map(|solver| simulation(solver, world, &balls));
+    run(&mut exact, 60);
+    run(&mut contact, 60);
+    assert!(exact.tally().impacts > 20, "{} impacts", exact.tally().impacts);
+    assert_eq!(exact.tally().impacts, contact.tally().impacts);
+    for (one, other) in exact.balls().iter().zip(contact.balls()) {
+        assert_eq!((one.position(), one.velocity()), (other.position(), other.velocity()));
+    }
+}
+
 /// A random scene with fixed balls, which may overlap each other and the walls, and free ones that overlap nothing.
 #[derive(Debug, Clone)]
 struct Wild {

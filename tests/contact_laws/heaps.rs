@@ -61,7 +61,7 @@ fn balls_added_before_anything_moves_part_with_those_that_were_there() {
 #[test]
 fn balls_put_into_a_fixed_one_part_and_gain_next_to_no_energy() {
     for seed in [1, 2, 3] {
-        let mut balls = heap(40, 60.0, 250.0, (0.7, seed));
+        let mut balls = heap(45, 60.0, 250.0, (0.7, seed));
         balls.push(ball(250.0, 250.0, 20.0).fixed());
         let mut parting = boxed(balls);
         let back = energy_back(&mut parting);

@@ -56,3 +56,49 @@ fn a_ball_that_slides_off_one_that_can_move_keeps_their_energy_where_there_are_f
     let kept = slide.balls()[0].velocity().length_squared() / fallen;
     assert!((kept - 1.0).abs() < 0.03, "{kept} of it is left");
 }
+
+/// On less than 13° it crept: what lets piles tremble less held it, as it would on another ball.
+#[test]
+fn a_ball_slides_down_a_slope_of_fixed_ones_as_gravity_along_it_says_however_gentle_it_is() {
+    const AWAY: f64 = 40.0;
+    for degrees in [2.0_f64, 5.0, 10.0, 12.0, 20.0] {
+        for others in [0, 60, 500] {
+            let down = DVec2::from_angle(degrees.to_radians());
+            let row = (0..200).map(|k| DVec2::new(100.0, 200.0) + 0.5 * f64::from(k) * down);
+            let start = DVec2::new(100.0, 200.0) + 10.25 * down - 20.0 * down.perp();
+            let mut balls = vec![ball(start.x, start.y, 10.0).with_restitution(0.5).unwrap()];
+            balls.extend(row.map(|at| ball(at.x, at.y, 10.0).fixed()));
+            balls.extend((0..others).map(|k| ball(30.0 + 22.0 * f64::from(k), 790.0, 10.0)));
+            let mut slide = simulation(world(12_000.0, 800.0, 0.5).with_gravity(EARTH).unwrap(), balls);
+            let along = EARTH.y * degrees.to_radians().sin();
+            slide.advance((2.0 * AWAY / along).sqrt()).unwrap();
+            let gone = slide.balls()[0].position() - start;
+            let what = format!("{degrees}°, {others} others: it is {gone} away");
+            // It bumps a little from ball to ball, and sinks into each by some thousandths of a pixel.
+            let least = if others == 0 { 0.85 } else { 0.75 };
+            assert!((least..1.01).contains(&(gone.dot(down) / AWAY)), "{what}");
+            assert!(gone.perp_dot(down).abs() < 0.1, "{what}");
+        }
+    }
+}
+
+/// What it only passes braked it, down to 240 px/s, and threw it into the other side.
+#[test]
+fn a_ball_falls_through_a_tube_of_fixed_ones_hardly_wider_than_it_as_if_it_were_free() {
+    for others in [0, 60, 500] {
+        let mut balls = vec![ball(200.0, 30.0, 10.0).with_restitution(0.0).unwrap()];
+        let sides = (0..500).flat_map(|k| [184.9, 215.1].map(|x| ball(x, 2.0 * f64::from(k), 5.0).fixed()));
+        balls.extend(sides.map(|side| side.with_restitution(0.0).unwrap()));
+        balls.extend((0..others).map(|k| ball(330.0 + 22.0 * f64::from(k), 1190.0, 10.0)));
+        // It leans on one side a little.
+        let world = world(12_000.0, 1200.0, 0.5).with_gravity(DVec2::new(50.0, EARTH.y)).unwrap();
+        let mut fall = simulation(world, balls);
+        for _ in 0..60 {
+            fall.advance(FRAME).unwrap();
+            let DVec2 { x, y } = fall.balls()[0].position();
+            let free = 30.0 + 0.5 * EARTH.y * fall.time() * fall.time();
+            assert!((x - 200.0).abs() < 0.2, "{others} others: {x} after {} s", fall.time());
+            assert!(y - 30.0 > 0.92 * (free - 30.0), "{others} others: {y} after {} s", fall.time());
+        }
+    }
+}

@@ -80,7 +80,7 @@ impl Advance for Contact {
     }
 
     fn substeps(&self) -> Option<[u32; 2]> {
-        Some(self.substeps.range(self.bodies.len(), self.setting.gravity))
+        Some(self.substeps.range(self.setting.gravity))
     }
 
     fn within_substep(&self) -> f64 {

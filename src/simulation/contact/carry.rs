@@ -5,8 +5,8 @@
 use glam::DVec2;
 
 use super::super::lesser::lesser;
+use super::amount::Amount;
 use super::constraints::Constraint;
-use super::find::FEW;
 use super::layout::Layer;
 use super::stripes::Stripe;
 use super::sweep::Pass;
@@ -25,7 +25,7 @@ impl Contact {
     /// miss is borne by nothing, sideways, too, which holds up slopes. That is left so in longer substeps, where little moves:
     /// it comes to rest. Where all balls are few, the sweeps miss nothing.
     fn passes_on(&self) -> bool {
-        self.bodies.len() > FEW && self.substeps.are_short()
+        self.setting.amount > Amount::Few && self.substeps.are_short()
     }
 
     /// The pass in which what still sinks stops on what carries it.

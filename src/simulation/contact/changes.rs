@@ -38,6 +38,7 @@ impl Contact {
             gravity,
             kick,
             has_fixed: balls.iter().any(Ball::is_fixed),
+            amount: substeps.amount,
             jammed: any_jams(world, balls),
             flat_under_sleeper: (!substeps.is_deep()).then_some(FLAT_UNDER_SLEEPER),
             firm: substeps.firm(kick),

@@ -107,7 +107,7 @@ mod tests {
             let radii = (0..count).map(radius).chain(std::iter::repeat_n(last, more));
             radii.map(|radius| Ball::new(DVec2::splat(100.0), radius).unwrap()).collect()
         };
-        let least = |balls: &[Ball]| Substeps::new(&world, balls, TUNING).range(balls.len(), GRAVITY)[0];
+        let least = |balls: &[Ball]| Substeps::new(&world, balls, TUNING).range(GRAVITY)[0];
         for (balls, expected) in [
             (balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 0, 9.0), 120),
             (balls(MANY_OF_ONE_SIZE + 1, [5.0, 5.0], 0, 9.0), 240),
@@ -120,7 +120,7 @@ mod tests {
         }
         let few = Substeps::new(&world, &balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 0, 9.0), TUNING);
         let many = balls(MANY_OF_ONE_SIZE + 1, [5.0, 5.0], 0, 9.0);
-        assert_eq!(few.with(&world, &many, TUNING).unwrap().range(many.len(), GRAVITY), [240; 2]);
+        assert_eq!(few.with(&world, &many, TUNING).unwrap().range(GRAVITY), [240; 2]);
         let small = balls(MANY_OF_ONE_SIZE, [5.0, 5.0], 1, 0.5);
         assert!(few.with(&world, &small, TUNING).is_none(), "so small a ball asks for shorter beats");
     }
@@ -132,7 +132,7 @@ mod tests {
             let world = world.with_gravity(gravity).unwrap();
             let ball = |size: f64| Ball::new(DVec2::splat(20.0), times * size).unwrap();
             let balls: Vec<Ball> = [3.0, 4.0, 5.0, 6.0].into_iter().cycle().take(count).map(ball).collect();
-            Substeps::new(&world, &balls, Tuning { sleep, ..TUNING }).range(count, gravity)
+            Substeps::new(&world, &balls, Tuning { sleep, ..TUNING }).range(gravity)
         };
         // 4,000 of these fill 270,000 px² of the plane, and are 9.3 px high in the middle: 320 px wide, 108 layers; 640, 54.
         assert_eq!(range(320.0, GRAVITY, 4000, 1.0, true), [360; 2]);

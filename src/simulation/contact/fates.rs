@@ -2,7 +2,7 @@
 
 use glam::{BVec2, DVec2};
 
-use super::find::FEW;
+use super::amount::{Amount, FEW};
 use super::meeting::strike;
 use super::sleep::Rest;
 use super::{Body, SHIFT, Setting};
@@ -138,14 +138,18 @@ pub(super) struct Limits {
 
 impl Limits {
     /// Those of so many bodies, which are a crowd or not; a share of them is `worked_on`.
-    pub(super) fn of(count: usize, worked_on: usize, crowd: bool, setting: &Setting) -> Self {
-        let few = (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST);
-        let ((most, most_far, most_fast), most_by_loss) = match count {
-            ..=FEW => (few, MOST_OF_FEW),
-            _ if crowd => (MOST_IN_CROWD, MOST_IN_CROWD.0),
-            _ if !setting.can_rest => (few, MOST_OF_FEW),
-            _ if setting.kick != DVec2::ZERO => ((FEWEST, MOST_FAR, MOST_FAST), MOST_FAR),
-            _ => ((MOST, MOST_FAR, MOST_FAST), MOST),
+    pub(super) fn of(worked_on: usize, crowd: bool, setting: &Setting) -> Self {
+        let (each, far, fast) = (MOST_OF_FEW, MOST_OF_FEW, MOST_FAST);
+        let ((most, most_far, most_fast), most_by_loss) = if setting.amount == Amount::Few {
+            ((each, far, fast), MOST_OF_FEW)
+        } else if crowd {
+            (MOST_IN_CROWD, MOST_IN_CROWD.0)
+        } else if !setting.can_rest {
+            ((each, far, fast), MOST_OF_FEW)
+        } else if setting.kick != DVec2::ZERO {
+            ((FEWEST, MOST_FAR, MOST_FAST), MOST_FAR)
+        } else {
+            ((MOST, MOST_FAR, MOST_FAST), MOST)
         };
         let looks = LOOKS * worked_on.max(FEW);
         Self { most, most_far, most_fast, most_by_loss, crowd, looks, exhausted: false, ended: false }

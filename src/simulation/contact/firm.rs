@@ -9,6 +9,7 @@
 
 use glam::DVec2;
 
+use super::super::lesser::lesser;
 use super::carry::Floor;
 use super::constraints::Marks;
 use super::fates::{Limits, Shift};
@@ -60,10 +61,10 @@ impl Onward {
     }
 
     /// The velocity through the substep of a ball that comes into none of these sides, as near as possible to what it is.
-    fn held(&self, velocity: DVec2, sides: impl Iterator<Item = Side> + Clone) -> DVec2 {
-        let floors = sides.map(|Side { up, gap, .. }| Floor { up, least: -gap.max(0.0) / self.left });
+    fn held(&self, velocity: DVec2, sides: impl Iterator<Item = Side>) -> DVec2 {
         let goes = velocity + self.faster;
-        let held = held_between(goes, &floors);
+        let floors: Vec<_> = sides.map(|side| side.floor(goes, self.left)).collect();
+        let held = held_between(goes, &floors.iter().copied());
         if held == goes { velocity } else { held - self.faster }
     }
 }
@@ -75,8 +76,34 @@ struct Side {
     up: DVec2,
     /// How far away it is, px.
     gap: f64,
+    /// The sum of both radii, px; of a wall infinite.
+    reach: f64,
     /// The stripe and the place of the pair with it, and the fixed ball, unless it is a wall.
     pair: Option<(usize, usize, usize)>,
+}
+
+impl Side {
+    /// What it is to a ball that goes on so fast for so long: its tangent where the ball would hit it, or else would be nearest to it.
+    /// What a ball only passes does not brake it then, however close.
+    fn floor(self, velocity: DVec2, left: f64) -> Floor {
+        let Self { up, gap, reach, .. } = self;
+        let (closing, speed) = (-velocity.dot(up), velocity.length_squared());
+        if reach == f64::INFINITY || gap <= 0.0 || closing <= 0.0 {
+            return Floor { up, least: -gap.max(0.0) / left };
+        }
+        let distance = reach + gap;
+        // It is nearest at closing·distance / speed; the quarter of the discriminant tells whether the way there leads into it.
+        let quarter = closing * closing * distance * distance - speed * gap * (distance + reach);
+        let time = if quarter > 0.0 {
+            gap * (distance + reach) / (closing * distance + quarter.sqrt())
+        } else {
+            closing * distance / speed
+        };
+        let tangent = (up * distance + velocity * lesser(time, left)).normalize();
+        // How far it is from that tangent, by what is no difference of nearly equal numbers.
+        let gap = gap * up.dot(tangent) - 0.5 * reach * up.distance_squared(tangent);
+        Floor { up: tangent, least: -gap.max(0.0) / left }
+    }
 }
 
 impl Setting {
@@ -90,7 +117,12 @@ impl Setting {
         let (near, radius, size) = (self.near(body), body.radius, self.size);
         let sides = [(DVec2::X, 0.0), (DVec2::Y, 0.0), (DVec2::NEG_X, size.x), (DVec2::NEG_Y, size.y)];
         let sides = sides.into_iter().take(if self.walls.is_some() { 4 } else { 0 });
-        let sides = sides.map(move |(up, wall)| Side { up, gap: place.dot(up) + wall - radius, pair: None });
+        let sides = sides.map(move |(up, wall)| Side {
+            up,
+            gap: place.dot(up) + wall - radius,
+            reach: f64::INFINITY,
+            pair: None,
+        });
         sides.filter(move |side| side.gap < near)
     }
 
@@ -112,9 +144,10 @@ impl Setting {
                 let other = start + stripe.pairs[pair].other(own) as usize;
                 if rests[other].own == 0.0 {
                     let (up, distance) = (place - bodies[other].position).normalize_and_length();
-                    let gap = distance - body.radius - bodies[other].radius;
+                    let reach = body.radius + bodies[other].radius;
+                    let gap = distance - reach;
                     if gap < near {
-                        sides.push(Side { up, gap, pair: Some((number, pair, other)) });
+                        sides.push(Side { up, gap, reach, pair: Some((number, pair, other)) });
                     }
                 }
             }
@@ -203,7 +236,7 @@ impl Contact {
         let Self { setting, bodies, restitutions, rests, near: Some(near), course, .. } = self else {
             return Vec::new();
         };
-        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
+        let limits = Limits::of(bodies.len(), near.crowd, setting);
         let all = near.all();
         let look = |body: usize| {
             let fate = course.fates.get(body).copied().unwrap_or_default();

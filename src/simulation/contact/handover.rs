@@ -3,9 +3,10 @@
 use super::super::Tuning;
 use super::super::ball::Ball;
 use super::super::clock::Clock;
+use super::super::invariants::free;
 use super::super::world::World;
 use super::Contact;
-use super::find::FEW;
+use super::amount::FEW;
 use super::substeps::Substeps;
 
 /// Events take over once so many substeps in a row were quiet: to begin with them takes as long as some of these.
@@ -52,13 +53,13 @@ impl Contact {
     }
 }
 
-/// Whether these are so few that substeps look at each of them.
+/// Whether those of them that move are so few that substeps look at each.
 pub(in crate::simulation) fn is_few(balls: &[Ball]) -> bool {
-    balls.len() <= FEW
+    free(balls).nth(FEW).is_none()
 }
 
 /// How many substeps in a second these balls take at most.
 pub(in crate::simulation) fn most_substeps(world: &World, balls: &[Ball], tuning: Tuning) -> u32 {
-    let [_, most] = Substeps::new(world, balls, tuning).range(balls.len(), world.gravity.unwrap_or_default());
+    let [_, most] = Substeps::new(world, balls, tuning).range(world.gravity.unwrap_or_default());
     most
 }

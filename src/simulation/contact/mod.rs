@@ -32,6 +32,7 @@
 //! substeps and never write back, so the result does not depend on how time is cut into frames.
 
 mod advance;
+mod amount;
 mod barred;
 mod body;
 mod carry;
@@ -88,9 +89,10 @@ use super::clock::Clock;
 use super::grid::Grid;
 use super::world::{Pairs, World};
 use super::{Tally, Tuning, within};
+use amount::Amount;
 use body::Body;
 use energy::Keeping;
-use find::{Cargo, FEW};
+use find::Cargo;
 pub(super) use handover::{is_few, most_substeps};
 use layout::{Layer, Layout};
 use near::Near;
@@ -127,6 +129,8 @@ struct Setting {
     can_rest: bool,
     /// Whether any ball is fixed.
     has_fixed: bool,
+    /// How many balls can be moved.
+    amount: Amount,
     /// Along which axes any ball that can be moved has no room between walls.
     jammed: BVec2,
     /// How flat a wedge under a ball asleep counts as flat, as a cosine (`wedges`); none in deep piles, which come to rest later so.
@@ -257,7 +261,7 @@ impl Contact {
         if self.pass_quietly(tally) {
             self.quiet += 1;
         } else {
-            self.quiet = 0;
+            self.quiet = if self.is_quiet_among_fixed() { self.quiet + 1 } else { 0 };
             self.meet_and_hold(tally);
         }
         self.end_step();
@@ -342,7 +346,7 @@ impl Contact {
             // Nothing changes a velocity but impacts.
             return;
         }
-        let (kick, few) = (setting.kick, bodies.len() <= FEW);
+        let (kick, few) = (setting.kick, setting.amount == Amount::Few);
         // Not that of the last search: balls may have been added since.
         let layout = Layout::of(bodies.len());
         team.each(layout.share(Layer::Own, bodies), |bodies| {

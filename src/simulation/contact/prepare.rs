@@ -13,6 +13,7 @@ use super::super::lesser::lesser;
 use super::constraints::{Constraint, Marks, Pair};
 use super::fates::{Fate, Shift};
 use super::meeting::COINCIDENT;
+use super::sleep::Rest;
 use super::stripes::Stripe;
 use super::support::{give, solve, two};
 use super::sweep::Share;
@@ -161,10 +162,13 @@ impl Stripe {
         let mut constraint = known
             .unwrap_or_else(|| Constraint::none(pair, (first.inverse_mass + second.inverse_mass).recip()));
         let carried = constraint.impulse;
-        let on_fixed = [pair.first, pair.second].iter().any(|&body| rests[body as usize].own == 0.0);
+        let on_fixed = on_fixed(rests, pair);
         let slow = setting.slow_turn(first.radius + second.radius, on_fixed);
+        // What any hit shifts a ball by may be more than there is room between fixed ones.
+        let moved =
+            met || on_fixed && [pair.first, pair.second].iter().any(|&at| fates[at as usize].hits > 0);
         let how = (slow, marks.unlike());
-        let near = prepare(setting, &mut constraint, (first, second), (shift_of(fates, pair), met), how);
+        let near = prepare(setting, &mut constraint, (first, second), (shift_of(fates, pair), moved), how);
         if known.is_some() {
             constraints[*place as usize] = constraint;
         } else if near {
@@ -263,11 +267,11 @@ impl SlowTurn {
 }
 
 impl Setting {
-    /// The slow turns of two balls, of radii with this sum. A fixed one does not give way: on it only slow sliding is gripped,
-    /// among many balls, too. What sleeps is none.
+    /// The slow turns of two balls, of radii with this sum. Those of a pair with a fixed one are none: it does not give way, and
+    /// is to be slid down. What sleeps is not fixed.
     #[inline]
     fn slow_turn(&self, reach: f64, on_fixed: bool) -> SlowTurn {
-        let way = if on_fixed { self.firm } else { self.gripping } * self.substep;
+        let way = if on_fixed { 0.0 } else { self.gripping * self.substep };
         SlowTurn { square: way * way, reach }
     }
 
@@ -277,6 +281,12 @@ impl Setting {
     fn least_parting(&self, way: f64, reach: f64) -> f64 {
         lesser(self.mending * reach, way / self.substep)
     }
+}
+
+/// Whether one of a pair is fixed, and does not only sleep.
+#[inline]
+pub(super) fn on_fixed(rests: &[Rest], pair: Pair) -> bool {
+    [pair.first, pair.second].iter().any(|&body| rests[body as usize].own == 0.0)
 }
 
 /// How two balls are shifted by impacts.
@@ -291,7 +301,7 @@ fn prepare(
     setting: &Setting,
     constraint: &mut Constraint,
     (first, second): (&mut Body, &mut Body),
-    (shift, met): (Shift, bool),
+    (shift, moved): (Shift, bool),
     (slow, unlike): (SlowTurn, Unlike),
 ) -> bool {
     let left = setting.softness.yielding(unlike);
@@ -313,7 +323,7 @@ fn prepare(
     let gap = distance - reach;
     let end_apart = end.length_squared() > reach * reach;
     // One that was hit stands where it would have come from: what they part by themselves is no overlap.
-    let elsewhere = shift == Shift::Some || met;
+    let elsewhere = shift == Shift::Some || moved;
     let apart = gap > 0.0 || (elsewhere && end_apart);
     if apart && end_apart && constraint.impulse == 0.0 {
         // They pass each other as they go now, and circles curve away from the tangent where they are: one where they

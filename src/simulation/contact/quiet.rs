@@ -59,6 +59,14 @@ impl Contact {
         true
     }
 
+    /// Whether a substep in which nothing but walls holds any begins, of few balls that can be moved and others. It is taken as a
+    /// whole one: there are too many balls to look for what may happen.
+    pub(super) fn is_quiet_among_fixed(&self) -> bool {
+        let Self { setting, bodies, near, hands_back, parting, .. } = self;
+        let steady = || near.as_ref().is_some_and(|near| near.holds_steadily(setting, bodies));
+        *hands_back && bodies.len() > FEW && !parting.goes_on() && steady()
+    }
+
     /// What happens in this substep; [`None`] where it is not a quiet one. None is that began late, or in which balls part that were
     /// put into each other.
     fn happens(&mut self) -> Option<Happens> {

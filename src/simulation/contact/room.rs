@@ -13,9 +13,9 @@
 
 use glam::DVec2;
 
+use super::amount::Amount;
 use super::constraints::{Constraint, Pair};
 use super::fates::Limits;
-use super::find::FEW;
 use super::layout::{Layer, Layout};
 use super::near::Near;
 use super::sleep::Rest;
@@ -163,7 +163,7 @@ impl Contact {
         if setting.kick != DVec2::ZERO && !setting.unlike.differs() {
             return false;
         }
-        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
+        let limits = Limits::of(bodies.len(), near.crowd, setting);
         let hit = course.fates.iter().zip(restitutions).enumerate();
         let mut spent = hit.filter(|(_, (fate, own))| limits.may_be_spent(fate, **own)).map(|(at, _)| at);
         if setting.kick != DVec2::ZERO {
@@ -183,7 +183,7 @@ impl Contact {
     fn any_sinks(&self) -> bool {
         let Self { setting, bodies, rests, near: Some(near), room, .. } = self else { return false };
         let differ = |pair: [usize; 2]| pair.iter().all(|&at| rests[at].unlike == Unlike::Density);
-        if bodies.len() <= FEW || setting.crush_now() != Crush::Nobody {
+        if setting.amount == Amount::Few || setting.crush_now() != Crush::Nobody {
             near.pairs()
                 .any(|(first, second)| differ([first, second]) && room.sinks(setting, bodies, first, second))
         } else {
@@ -242,7 +242,7 @@ impl Room {
             let long = if setting.rams(&bodies[other]) { LONG_RAMMED } else { LONG_STUCK };
             may_leave
                 && rests[at].stuck >= long
-                && (bodies.len() > FEW || self.come_little_nearer(bodies, at, other))
+                && (setting.amount > Amount::Few || self.come_little_nearer(bodies, at, other))
         };
         let is_deeper = |&Pair { first, second }: &Pair| {
             let (first, second) = (first as usize, second as usize);
@@ -257,7 +257,7 @@ impl Room {
         found.extend((0..bodies.len()).filter(|&at| is_pushed_far(setting, &bodies[at])));
         self.is_short.clear();
         self.is_short.resize(bodies.len(), false);
-        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
+        let limits = Limits::of(bodies.len(), near.crowd, setting);
         while let Some(at) = found.pop() {
             if bodies[at].inverse_mass == 0.0 || std::mem::replace(&mut self.is_short[at], true) {
                 continue;

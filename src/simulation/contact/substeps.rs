@@ -13,9 +13,9 @@ use glam::DVec2;
 use super::super::Tuning;
 use super::super::ball::Ball;
 use super::super::world::World;
+use super::amount::Amount;
 use super::demands::{are_many_of_one_size, lie_deep, middle_radius, shortened, shortened_for};
 use super::energy::Keeping;
-use super::find::FEW;
 use super::layout::Layer;
 use super::softness::Softness;
 use super::stripes::of_layer;
@@ -65,6 +65,8 @@ pub(super) struct Substeps {
     shortened: Option<u32>,
     /// How many times shorter they are than balls of the middle size alone would ask for.
     finer: f64,
+    /// For how many balls.
+    pub(super) amount: Amount,
     /// Whether so many balls are of one size that they lie in crystals: then all are short.
     pub(super) of_one_size: bool,
     /// Substeps in a beat of the shortest.
@@ -88,13 +90,14 @@ impl Substeps {
         let (of_one_size, deep) = (are_many_of_one_size(balls), is_deep && tuning.sleep);
         let middle = shortened_for(middle_radius(balls), world.gravity.unwrap_or_default());
         let finer = shortened.map_or(1.0, |times| f64::from(times) / f64::from(middle));
-        Self { rate, shortened, finer, of_one_size, most, deep, count: most, next: most, calm: 0 }
+        let amount = Amount::of(balls);
+        Self { rate, shortened, finer, amount, of_one_size, most, deep, count: most, next: most, calm: 0 }
     }
 
     /// The same for other balls, or another gravity, unless these ask for beats of another length, or other numbers of substeps in them.
     pub(super) fn with(&self, world: &World, balls: &[Ball], tuning: Tuning) -> Option<Self> {
-        let Self { rate, finer, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
-        ((rate, most) == (self.rate, self.most)).then_some(Self { finer, of_one_size, deep, ..*self })
+        let Self { rate, finer, amount, of_one_size, most, deep, .. } = Self::new(world, balls, tuning);
+        ((rate, most) == (self.rate, self.most)).then_some(Self { finer, amount, of_one_size, deep, ..*self })
     }
 
     /// Takes it that what goes on is no rest any more: something was changed from outside. What overlaps of other loads push then gains no
@@ -114,14 +117,19 @@ impl Substeps {
         self.shortened.map_or(self.rate, |times| BEATS * times * self.count)
     }
 
-    /// The fewest and the most in a second of so many balls under this gravity.
-    pub(super) fn range(&self, balls: usize, gravity: DVec2) -> [u32; 2] {
+    /// The fewest and the most in a second under this gravity.
+    pub(super) fn range(&self, gravity: DVec2) -> [u32; 2] {
         match self.shortened {
-            Some(times) if varies(balls, gravity) && !self.are_all_short() => {
+            Some(times) if self.varies(gravity) && !self.are_all_short() => {
                 [FEWEST, self.most].map(|count| BEATS * times * count)
             }
             _ => [self.per_second(); 2],
         }
+    }
+
+    /// Whether beats may have fewer of them than most.
+    fn varies(&self, gravity: DVec2) -> bool {
+        self.amount > Amount::Few && gravity != DVec2::ZERO
     }
 
     /// Whether they are short.
@@ -187,11 +195,6 @@ impl Substeps {
     }
 }
 
-/// Whether beats may have fewer substeps than most.
-fn varies(balls: usize, gravity: DVec2) -> bool {
-    balls > FEW && gravity != DVec2::ZERO
-}
-
 impl Setting {
     pub(super) fn new(world: &World, balls: &[Ball], substeps: &Substeps, tuning: Tuning) -> Self {
         let gravity = world.gravity.unwrap_or_default();
@@ -205,6 +208,7 @@ impl Setting {
             kick: DVec2::ZERO,
             can_rest: can_rest(world, balls),
             has_fixed,
+            amount: substeps.amount,
             jammed: any_jams(world, balls),
             flat_under_sleeper: (!substeps.is_deep()).then_some(FLAT_UNDER_SLEEPER),
             grounded: has_fixed || world.walls.is_some(),
@@ -268,7 +272,7 @@ impl Contact {
     /// Finds out how many substeps the next beat is to have.
     pub(super) fn look_for_calm(&mut self) {
         let Self { setting, substeps, bodies, near: Some(near), steps, asleep, .. } = self else { return };
-        if substeps.shortened.is_none() || !varies(bodies.len(), setting.gravity) {
+        if substeps.shortened.is_none() || !substeps.varies(setting.gravity) {
             return;
         }
         let layout = near.layout;

@@ -13,11 +13,12 @@ use std::ops::Range;
 use glam::DVec2;
 
 use super::super::lesser::lesser;
+use super::amount::{Amount, FEW};
 use super::constraints::{Constraint, Pair};
 use super::energy::Keeping;
-use super::find::FEW;
 use super::layout::Layer;
 use super::near::Near;
+use super::prepare::on_fixed;
 use super::stripes::Stripe;
 use super::sweep::{Pass, Share};
 use super::unlike::Unlike;
@@ -39,9 +40,7 @@ const ROUNDS_AMONG_SLEEPERS: u32 = 40;
 const ROUNDS_OF_MIXED: u32 = 16;
 /// ... or fewer, down to [`ROUNDS`], where these would hold more than so many pairs in all: thousands stay in real time.
 const PAIRS_OF_MIXED: usize = 100_000;
-/// Among so many balls ...
-pub(super) const SOME: usize = 400;
-/// ... there are more rounds, too, ...
+/// Among some balls there are more rounds, too, ...
 const ROUNDS_OF_SOME: u32 = 128;
 /// ... and sweeps have not settled either where a change is more than so many kicks of gravity: among small balls, large ones may
 /// wedge each other in.
@@ -103,7 +102,8 @@ impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
         // Large piles tremble: without a grip, ten thousand balls take five times as long to come to rest.
-        self.setting.gripping = if self.bodies.len() <= FEW { self.setting.firm } else { f64::INFINITY };
+        self.setting.gripping =
+            if self.setting.amount == Amount::Few { self.setting.firm } else { f64::INFINITY };
         let holding = self.holding();
         let Holding { sweeps, to_the_end } = holding;
         self.setting.to_the_end = to_the_end.then_some(sweeps[0].enough);
@@ -135,8 +135,8 @@ impl Contact {
 
     /// What suits what presses.
     fn holding(&self) -> Holding {
-        let Setting { kick, substep, softness, unlike, .. } = self.setting;
-        let few = self.bodies.len() <= FEW;
+        let Setting { kick, substep, softness, unlike, amount, .. } = self.setting;
+        let few = amount == Amount::Few;
         let enough = |settled: f64, fast: f64| Tolerance { part: settled / substep, speed: fast };
         let usual = |kind| Sweeps {
             rounds: ROUNDS,
@@ -169,7 +169,7 @@ impl Contact {
                     let most = if self.setting.grounded { ROUNDS_OF_MIXED } else { ROUNDS_OF_FEW };
                     let rounds = affordable.clamp(ROUNDS, most);
                     Sweeps { rounds, enough: firm, ..usual(kind) }
-                } else if self.bodies.len() <= SOME {
+                } else if amount <= Amount::Some {
                     let enough = enough(SETTLED, FAST * kick.length());
                     Sweeps { rounds: ROUNDS_OF_SOME, enough, ..usual(kind) }
                 } else {
@@ -271,7 +271,7 @@ impl Pass<'_> {
     pub(super) const RELAX: Self = Self {
         layers: Layer::OUTWARD,
         only_busy: true,
-        work: &|setting, stripe, share| stripe.relax_all(setting, share.bodies),
+        work: &|setting, stripe, share| stripe.relax_all(setting, share),
     };
 
     /// The same of what walls gave.
@@ -309,14 +309,19 @@ impl Stripe {
     }
 
     /// Takes the velocities away that moved balls out of overlaps, and brakes what slides.
-    fn relax_all(&mut self, setting: &Setting, bodies: &mut [Body]) {
+    fn relax_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
         let Self { constraints, touching, .. } = self;
+        let Share { bodies, rests, .. } = share;
         each(constraints, touching.iter(), bodies, |constraint, first, second| {
             constraint.least = lesser(0.0, constraint.least);
             // Across what presses: neither changes the other.
             let sliding = constraint.normal.perp_dot(first.velocity - second.velocity);
             solve(constraint, first, second, 1.0);
-            calm(constraint, first, second, sliding, setting.firm);
+            let still = first.inverse_mass == 0.0 || second.inverse_mass == 0.0;
+            // Else nothing would slide down a slope of fixed balls.
+            if !(setting.has_fixed && still && on_fixed(rests, constraint.pair)) {
+                calm(constraint, first, second, sliding, setting.firm);
+            }
         });
         // Only few balls are followed so far, and these are one stripe: there are no others to wait for.
         let Some(enough) = setting.to_the_end else { return };

@@ -100,7 +100,7 @@ impl Contact {
             return;
         };
         let Course { fates, queue, lasts, legs, ended, .. } = course;
-        let limits = Limits::of(bodies.len(), bodies.len(), near.crowd, setting);
+        let limits = Limits::of(bodies.len(), near.crowd, setting);
         let noted = legs.noted.then_some(&mut legs.list);
         let mut stage =
             Stage { setting, bodies, fates, restitutions, rests, hit, tally, queue, limits, legs: noted };
@@ -124,7 +124,7 @@ impl Contact {
         else {
             return;
         };
-        let (layout, count, crowd) = (near.layout, bodies.len(), near.crowd);
+        let (layout, crowd) = (near.layout, near.crowd);
         let noted = course.legs.noted;
         let shares = layout.share_stripes(layer, &mut near.stripes);
         let shares = shares.zip(layout.share(layer, bodies)).zip(layout.share(layer, &mut course.fates));
@@ -140,7 +140,7 @@ impl Contact {
             let (mut tally, mut queue) = (Tally::default(), take(&mut list[0].queue));
             let (counts, events) = (&mut tally, &mut queue);
             let mut legs = take(&mut list[0].legs);
-            let limits = Limits::of(count, bodies.len(), crowd, setting);
+            let limits = Limits::of(bodies.len(), crowd, setting);
             let stage = Stage {
                 setting,
                 bodies,

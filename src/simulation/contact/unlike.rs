@@ -7,11 +7,10 @@
 use super::super::ball::Ball;
 use super::super::invariants::free;
 use super::Body;
+use super::amount::{Amount, FEW, SOME};
 use super::constraints::Marks;
-use super::find::FEW;
 use super::near::Near;
 use super::sleep::Rest;
-use super::support::SOME;
 
 /// Two balls are unlike in density where both their masses and these for their sizes differ by more than this ratio, ...
 const IN_DENSITY: f64 = 4.0;
@@ -61,12 +60,11 @@ impl Crush {
         let densities = free(balls).map(|ball| ball.mass / (ball.radius * ball.radius));
         let (least, most) =
             densities.fold((f64::INFINITY, 0.0_f64), |(least, most), of| (least.min(of), most.max(of)));
-        if balls.len() <= FEW || most <= CRUSHING * least {
-            Self::Nobody
-        } else if balls.len() <= SOME {
-            Self::AmongSome
-        } else {
-            Self::AmongMany
+        match Amount::of(balls) {
+            _ if most <= CRUSHING * least => Self::Nobody,
+            Amount::Few => Self::Nobody,
+            Amount::Some => Self::AmongSome,
+            Amount::Many => Self::AmongMany,
         }
     }
 }
@@ -92,7 +90,7 @@ impl Unlike {
         let masses = ratio(&|_, rest| rest.own);
         if masses > IN_DENSITY && ratio(&|body, rest| rest.own * body.radius * body.radius) > IN_DENSITY {
             Self::Density
-        } else if masses > IN_SIZE.0 && bodies.len() > FEW {
+        } else if masses > IN_SIZE.0 && rests.iter().filter(|rest| rest.own > 0.0).nth(FEW).is_some() {
             Self::Size
         } else {
             Self::Nothing

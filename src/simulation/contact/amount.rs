@@ -1,0 +1,56 @@
+//! How many balls can be moved: the fewer, the more is done for each. Fixed ones beside them, as in rows of pegs, do not count.
+
+use super::super::ball::Ball;
+use super::super::invariants::free;
+use super::layout::Layout;
+
+/// So many are few, ...
+pub(super) const FEW: usize = 40;
+/// ... and so many are some.
+pub(super) const SOME: usize = 400;
+
+/// How many balls can be moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Amount {
+    /// Each is followed from impact to impact, and what it presses on to the end of that. All are in one stripe.
+    Few,
+    /// Sweeps take their time.
+    Some,
+    Many,
+}
+
+impl Amount {
+    /// How many of these can.
+    pub(super) fn of(balls: &[Ball]) -> Self {
+        match free(balls).take(SOME + 1).count() {
+            ..=FEW if !Layout::of(balls.len()).is_cut() => Self::Few,
+            ..=SOME => Self::Some,
+            _ => Self::Many,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+
+    #[test]
+    fn what_is_fixed_does_not_count_but_where_it_makes_several_stripes() {
+        let ball = Ball::new(DVec2::splat(50.0), 5.0).unwrap();
+        let amount = |moving: usize, fixed: usize| {
+            let fixed = std::iter::repeat_n(ball.fixed(), fixed);
+            Amount::of(&std::iter::repeat_n(ball, moving).chain(fixed).collect::<Vec<_>>())
+        };
+        for fixed in [0, 1000] {
+            let amounts = [0, FEW, FEW + 1, SOME, SOME + 1].map(|moving| amount(moving, fixed));
+            assert_eq!(
+                amounts,
+                [Amount::Few, Amount::Few, Amount::Some, Amount::Some, Amount::Many],
+                "{fixed}"
+            );
+        }
+        assert_eq!(amount(1, 10_000), Amount::Some);
+    }
+}
