@@ -279,3 +279,28 @@ fn walls_give_a_crowd_no_more_momentum_than_it_can_have_got() {
         assert!(given.abs().max_element() < most, "{name}: {given}, at most {most}");
     }
 }
+
+/// Their velocities were shown as much faster or slower as each had fallen in a step: that keeps energy, and not momentum.
+#[test]
+fn a_crowd_that_nothing_carries_keeps_its_momentum_as_it_falls() {
+    for seed in 1..=6_u32 {
+        let angle = |k: u32| f64::from(k * (2 * seed + 1)) * 2.4;
+        let balls = (0..60).map(|k| {
+            let (place, radius) =
+                (40.0 * f64::from(k + 1).sqrt() * DVec2::from_angle(angle(k)), 6.0 + f64::from(k * seed % 7));
+            let ball = ball(2000.0 + place.x, 1500.0 + place.y, radius)
+                .with_restitution(f64::from(seed % 3) * 0.1)
+                .unwrap();
+            moving(ball.with_mass(radius * radius).unwrap(), -1.5 * place.x, -1.5 * place.y)
+        });
+        let world = World::new(DVec2::splat(4000.0)).unwrap().with_gravity(DVec2::new(0.0, EARTH)).unwrap();
+        let mut crowd = exact(world.with_pairs(Pairs::Impulse), balls.collect());
+        let (start, mass) = (momentum(crowd.balls()), crowd.balls().iter().map(Ball::mass).sum::<f64>());
+        for frame in 0..60 {
+            crowd.advance(1.0 / 60.0).unwrap();
+            let off = momentum(crowd.balls()) - start - DVec2::new(0.0, EARTH * crowd.time() * mass);
+            assert!(off.length() < 1e-6 * mass, "seed {seed}, frame {frame}: by {} px/s", off / mass);
+        }
+        assert!(crowd.tally().impacts > 500, "seed {seed}: {} impacts", crowd.tally().impacts);
+    }
+}

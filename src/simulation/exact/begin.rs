@@ -64,7 +64,10 @@ impl Exact {
             credit: 0,
             beside: false,
             found: Vec::new(),
-            carry: Carry::new(hop_time(rest_speed, gravity)),
+            carry: Carry::new(
+                hop_time(rest_speed, gravity),
+                world.walls.is_some() || balls.iter().any(Ball::is_fixed),
+            ),
             propped: Vec::new(),
         };
         if exact.overlaps.is_none() && exact.matter.iter().all(|matter| *matter == exact.matter[0]) {

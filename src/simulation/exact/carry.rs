@@ -38,6 +38,8 @@ const UNLIKE: f64 = 1000.0;
 pub(super) struct Carry {
     /// Steps in a second.
     rate: u32,
+    /// Whether a wall, or a fixed ball, may carry any.
+    grounded: bool,
     /// When the next step is, where one is called for.
     next: Option<Clock>,
     /// Whether whoever takes events does not know of it yet.
@@ -54,10 +56,11 @@ pub(super) type Key = (u32, u32);
 
 impl Carry {
     /// Nothing is carried. A hop at the rest speed lasts so long, s.
-    pub(super) fn new(hop_time: f64) -> Self {
+    pub(super) fn new(hop_time: f64, grounded: bool) -> Self {
         let rate = (STEPS_PER_HOP / hop_time).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
         Self {
             rate,
+            grounded,
             next: None,
             is_new: false,
             pushes: Vec::new(),
@@ -132,11 +135,17 @@ impl Exact {
         self.rest_speed * self.chatter_time
     }
 
-    /// Whether a ball's velocity is a mean one, from which its flight goes off.
+    /// Whether a ball is carried by others.
     fn is_carried(&self, slot: usize) -> bool {
         let marks = self.marks[slot];
         // On the walls that it may rest on at first it does not hop.
         marks.has(Marks::CARRIED) && marks.rests() == 0
+    }
+
+    /// Whether its velocity is a mean one, from which its flight goes off. Where nothing carries any ball from below they fall together,
+    /// and each flight is what it seems: else they would not keep their momentum.
+    fn goes_off(&self, slot: usize) -> bool {
+        self.carry.grounded && self.is_carried(slot)
     }
 
     /// How long after the middle of a step a time is, s.
@@ -144,11 +153,11 @@ impl Exact {
         self.carry.next_since(self.origin).map_or(0.0, |next| 0.5 * self.carry.step() - (next - now))
     }
 
-    /// A ball's velocity where that of its flight is this, so long after the middle of a step. That of one that is carried is
+    /// A ball's velocity where that of its flight is this, so long after the middle of a step. That of one that goes off is
     /// its mean one, made as much faster or slower as it has fallen or risen since: all balls together neither gain nor lose
     /// energy within a step.
     pub(super) fn true_velocity(&self, slot: usize, velocity: DVec2, since_middle: f64) -> DVec2 {
-        if !self.is_carried(slot) {
+        if !self.goes_off(slot) {
             return velocity;
         }
         let mean = velocity - self.marks[slot].accelerated_part(self.gravity) * since_middle;
@@ -160,6 +169,9 @@ impl Exact {
     /// The velocity of the flight of a ball that has this one, and is carried from now on, so long after the middle of a step: what
     /// [`true_velocity`](Self::true_velocity) makes that one of again.
     pub(super) fn carried_velocity(&self, velocity: DVec2, since_middle: f64) -> DVec2 {
+        if !self.carry.grounded {
+            return velocity;
+        }
         let direction = velocity.normalize_or_zero();
         let along = since_middle * self.gravity.dot(direction);
         let mean = (along * along + velocity.length_squared()).sqrt() - along;
@@ -169,7 +181,7 @@ impl Exact {
     /// Position and velocity of a ball now, where that of one that is carried is the one that it has.
     pub(super) fn true_state<N: Needs>(&self, slot: usize, now: f64) -> (DVec2, DVec2) {
         let (position, velocity) = self.state::<N>(slot, now);
-        if N::HOLDS && self.is_carried(slot) {
+        if N::HOLDS && self.goes_off(slot) {
             (position, self.true_velocity(slot, velocity, self.since_middle(now)))
         } else {
             (position, velocity)
@@ -343,7 +355,7 @@ impl Exact {
                 let half_kick = self.gravity * (0.5 * self.carry.step());
                 let mean = velocity - self.marks[slot].accelerated_part(half_kick);
                 // So slow is only what velocities are wrong by.
-                let is_slow = mean.length() < LIFTED * self.rest_speed;
+                let is_slow = self.carry.grounded && mean.length() < LIFTED * self.rest_speed;
                 if is_slow || straight {
                     let mean = if is_slow { DVec2::ZERO } else { mean };
                     let velocity = self.marks[slot].free_part(mean + half_kick);
