@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::super::lesser::lesser;
 use super::events::Spot;
 use super::impacts::Stage;
 use super::sleep::{Rest, wake_by_hit};
@@ -165,11 +166,12 @@ fn on_parabola(
 }
 
 /// Whether a ball wakes that another hits at this speed, px/s, with this restitution: where the hit is firm, or gives it, or what
-/// hits it, more than a little. What stays asleep is hit as if it were fixed.
-fn wakes(setting: &Setting, speed: f64, e: f64, [sleeper, by]: [&Rest; 2]) -> bool {
+/// hits it, more than a little; or anything that counts, if it lies `loose`, held by walls alone. What stays asleep is hit as if it
+/// were fixed: a row at rest on the floor would be a wall to what comes slowly.
+fn wakes(setting: &Setting, speed: f64, e: f64, [sleeper, by]: [&Rest; 2], loose: bool) -> bool {
     let given = (1.0 + e) * speed * sleeper.own / (sleeper.own + by.own);
     let most = GIVEN * setting.kick.length() * (by.own / sleeper.own).min(1.0);
-    speed > setting.firm || given > most
+    speed > setting.firm || given > if loose { lesser(most, setting.rest_speed) } else { most }
 }
 
 /// Gives a pair its impulses, and wakes it where they are not small. Pairs must be linked.
@@ -182,9 +184,9 @@ pub(super) fn exchange(
 ) {
     let e = stage.restitutions[i].min(stage.restitutions[j]);
     for (body, by) in [(i, j), (j, i)] {
-        if stage.rests[body].asleep
-            && wakes(stage.setting, meeting.speed, e, [&stage.rests[body], &stage.rests[by]])
-        {
+        let [sleeper, by] = [&stage.rests[body], &stage.rests[by]];
+        let loose = || stripes.holders(body).next().is_none();
+        if sleeper.asleep && wakes(stage.setting, meeting.speed, e, [sleeper, by], loose()) {
             wake_by_hit(body, stage.setting.kick, stage.bodies, stage.rests, stripes);
         }
     }
