@@ -102,3 +102,65 @@ fn a_ball_falls_through_a_tube_of_fixed_ones_hardly_wider_than_it_as_if_it_were_
         }
     }
 }
+
+/// It is the unstable balance of a pair that was held by damping what is slow.
+#[test]
+fn a_ball_that_stands_a_little_aside_on_another_falls_off_it_where_there_are_few() {
+    for aside in [0.3, 0.6, 2.0] {
+        let lower = ball(1000.0, 980.0, 20.0);
+        let upper = ball(1000.0 + aside, 980.0 - f64::sqrt(1600.0 - aside * aside), 20.0);
+        let mut pair =
+            simulation(world(4000.0, 1000.0, 0.5).with_gravity(EARTH).unwrap(), vec![lower, upper]);
+        pair.advance(2.0).unwrap();
+        assert!(pair.balls()[1].position().y > 979.0, "{aside} px aside: {:?}", pair.balls()[1]);
+    }
+}
+
+/// What lies on two that it can push apart: m·v² of all comes from its fall, and their speeds follow from the angle between them.
+#[test]
+fn a_ball_pushes_two_apart_that_carry_it_as_fast_as_its_fall_pays_for_where_there_are_few() {
+    for mass in [0.1, 1.0 / 3.0, 1.0, 3.0, 6.0] {
+        let lower = [970.0, 1030.0].map(|x| ball(x, 1970.0, 30.0));
+        let upper = ball(1000.0, 1970.0 - 30.0 * 3.0_f64.sqrt(), 30.0).with_mass(mass).unwrap();
+        let upper_y = upper.position().y;
+        let world = world(3000.0, 2000.0, 0.5).with_gravity(EARTH).unwrap();
+        let mut pushed = simulation(world, lower.into_iter().chain([upper]).collect());
+        // Until the upper one has come down by a fifth of their distance.
+        while pushed.balls()[2].position().y < upper_y + 10.0 {
+            pushed.advance(1.0 / 240.0).unwrap();
+            assert!(pushed.time() < 3.0, "mass {mass}");
+        }
+        let (height, fallen) =
+            (1970.0 - pushed.balls()[2].position().y, pushed.balls()[2].position().y - upper_y);
+        let half_width = (3600.0 - height * height).sqrt();
+        // The lower ones go apart by v each where the upper one comes down by v·half_width / height.
+        let down = half_width / height;
+        let law = (2.0 * mass * EARTH.y * fallen / (2.0 + mass * down * down)).sqrt();
+        for (at, side) in [(0, -1.0), (1, 1.0)] {
+            let speed = side * pushed.balls()[at].velocity().x;
+            assert!((speed / law - 1.0).abs() < 0.05, "mass {mass}: {speed} px/s, not {law}");
+        }
+    }
+}
+
+/// The tolerance of sweeps was a part of both radii: that of a large fixed one let the small one go faster with every swing.
+#[test]
+fn a_ball_in_a_bowl_of_large_fixed_ones_swings_no_farther_than_it_did() {
+    const START: f64 = 6.0;
+    let (reach, bottom) = (300.0, DVec2::new(1000.0, 1100.0));
+    let place = |along: f64, far: f64| bottom + DVec2::new(far * along.sin(), far * along.cos() - reach);
+    let mut balls = vec![{
+        let at = place(START / reach, reach);
+        ball(at.x, at.y, 10.0).with_restitution(0.5).unwrap()
+    }];
+    balls.extend((-100..=100).map(|k| {
+        let at = place(2.0 * f64::from(k) / (reach + 110.0), reach + 110.0);
+        ball(at.x, at.y, 100.0).fixed()
+    }));
+    let mut swing = simulation(world(2000.0, 2000.0, 0.5).with_gravity(EARTH).unwrap(), balls);
+    for _ in 0..1200 {
+        swing.advance(FRAME).unwrap();
+        let far = (swing.balls()[0].position().x - bottom.x).abs();
+        assert!(far < START + 0.5, "{far} px from the middle after {} s", swing.time());
+    }
+}

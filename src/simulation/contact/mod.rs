@@ -156,8 +156,6 @@ struct Setting {
     keeping: Keeping,
     /// Where sweeps are followed to their end: what they may change yet when they have settled.
     to_the_end: Option<Tolerance>,
-    /// Balls that slide on each other faster than this, px/s, do not grip each other.
-    gripping: f64,
 }
 
 impl Setting {

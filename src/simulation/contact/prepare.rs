@@ -10,6 +10,7 @@ use glam::DVec2;
 
 use super::super::impulse::COINCIDENT_NORMAL;
 use super::super::lesser::lesser;
+use super::amount::Amount;
 use super::constraints::{Constraint, Marks, Pair};
 use super::fates::{Fate, Shift};
 use super::meeting::COINCIDENT;
@@ -163,11 +164,11 @@ impl Stripe {
             .unwrap_or_else(|| Constraint::none(pair, (first.inverse_mass + second.inverse_mass).recip()));
         let carried = constraint.impulse;
         let on_fixed = on_fixed(rests, pair);
-        let slow = setting.slow_turn(first.radius + second.radius, on_fixed);
+        let grips = setting.grips(on_fixed);
         // What any hit shifts a ball by may be more than there is room between fixed ones.
         let moved =
             met || on_fixed && [pair.first, pair.second].iter().any(|&at| fates[at as usize].hits > 0);
-        let how = (slow, marks.unlike());
+        let how = (grips, marks.unlike());
         let near = prepare(setting, &mut constraint, (first, second), (shift_of(fates, pair), moved), how);
         if known.is_some() {
             constraints[*place as usize] = constraint;
@@ -244,35 +245,17 @@ fn follow(
     let out = reach - distance;
     let mut turned = *constraint;
     turned.least = setting.least_parting(lesser(setting.softness.mended(unlike) * out, out), reach);
-    give(turned.turn(offset / distance, setting.slow_turn(reach, false)), first, second);
+    give(turned.turn(offset / distance, setting.grips(false)), first, second);
     solve(&mut turned, first, second, setting.softness.yielding(unlike));
     *constraint = turned;
 }
 
-/// The turns of a pair's direction in a substep in which its balls slide on each other slowly.
-#[derive(Debug, Clone, Copy)]
-struct SlowTurn {
-    /// The square of how far they slide in it at most, px².
-    square: f64,
-    /// The sum of their radii, px.
-    reach: f64,
-}
-
-impl SlowTurn {
-    /// Whether a turn is one, by its square, rad².
-    #[inline]
-    fn is(self, turned: f64) -> bool {
-        turned * self.reach * self.reach < self.square
-    }
-}
-
 impl Setting {
-    /// The slow turns of two balls, of radii with this sum. Those of a pair with a fixed one are none: it does not give way, and
-    /// is to be slid down. What sleeps is not fixed.
+    /// Whether two balls that press on each other grip each other a little while they slide: large piles tremble, and without that ten
+    /// thousand balls take five times as long to come to rest. Not on a fixed one, which is to be slid down; one asleep is none.
     #[inline]
-    fn slow_turn(&self, reach: f64, on_fixed: bool) -> SlowTurn {
-        let way = if on_fixed { 0.0 } else { self.gripping * self.substep };
-        SlowTurn { square: way * way, reach }
+    fn grips(&self, on_fixed: bool) -> bool {
+        self.amount > Amount::Few && !on_fixed
     }
 
     /// How fast two balls, of radii with this sum, have to part to go so far in a substep, px: px/s. No faster than
@@ -302,12 +285,12 @@ fn prepare(
     constraint: &mut Constraint,
     (first, second): (&mut Body, &mut Body),
     (shift, moved): (Shift, bool),
-    (slow, unlike): (SlowTurn, Unlike),
+    (grips, unlike): (bool, Unlike),
 ) -> bool {
     let left = setting.softness.yielding(unlike);
     if shift == Shift::Far {
         let_go(constraint, first, second);
-        return hold_at_end(setting, constraint, (first, second), (slow, left));
+        return hold_at_end(setting, constraint, (first, second), (grips, left));
     }
     let offset = first.position - second.position;
     let squared = offset.length_squared();
@@ -329,12 +312,12 @@ fn prepare(
         // They pass each other as they go now, and circles curve away from the tangent where they are: one where they
         // will be brakes nothing, unless others turn them.
         let normal = end.normalize();
-        give(constraint.turn(normal, slow), first, second);
+        give(constraint.turn(normal, grips), first, second);
         constraint.least = (reach - offset.dot(normal)) / setting.substep;
         return true;
     }
     let normal = direction(offset, distance);
-    give(constraint.turn(normal, slow), first, second);
+    give(constraint.turn(normal, grips), first, second);
     let way = if apart {
         -gap.max(0.0)
     } else {
@@ -365,7 +348,7 @@ fn hold_at_end(
     setting: &Setting,
     constraint: &mut Constraint,
     (first, second): (&mut Body, &mut Body),
-    (slow, left): (SlowTurn, f64),
+    (grips, left): (bool, f64),
 ) -> bool {
     let end = first.end(setting.substep) - second.end(setting.substep);
     let (distance, reach) = (end.length(), first.radius + second.radius);
@@ -373,7 +356,7 @@ fn hold_at_end(
         return false;
     }
     let normal = direction(end, distance);
-    give(constraint.turn(normal, slow), first, second);
+    give(constraint.turn(normal, grips), first, second);
     let stands = (first.position - second.position).dot(normal);
     constraint.least = setting.least_parting(reach - stands, reach);
     solve(constraint, first, second, left);
@@ -390,14 +373,14 @@ impl Constraint {
     /// Turns it into another direction. By how much that changes what it gives the first ball, mass·px/s.
     ///
     /// What was given along the old one turns into the new one within some twenty substeps, as if the balls gripped each
-    /// other a little: that works against the motion that turns it, and lets piles come to rest. Where they slide on each other
-    /// fast, there is no grip. Where the direction turns by more in a substep, or nothing presses any more, nothing is left.
+    /// other a little: that works against the motion that turns it, and lets piles come to rest. Unless they are to have a grip, or
+    /// where the direction turns by more in a substep, or nothing presses any more, nothing is left.
     #[inline]
-    fn turn(&mut self, normal: DVec2, slow: SlowTurn) -> DVec2 {
+    fn turn(&mut self, normal: DVec2, grips: bool) -> DVec2 {
         let given = self.normal * self.impulse + self.grip;
         let turned = (normal - self.normal).length_squared();
         if turned < STEADY * STEADY && self.impulse > 0.0 {
-            let left = if slow.is(turned) { 1.0 - LOOSENED } else { 0.0 };
+            let left = if grips { 1.0 - LOOSENED } else { 0.0 };
             self.grip = (given - normal * self.impulse) * left;
         } else {
             (self.impulse, self.grip) = (0.0, DVec2::ZERO);

@@ -222,7 +222,6 @@ impl Setting {
             unlike: Unlike::Nothing,
             keeping: Keeping::Nothing,
             to_the_end: None,
-            gripping: f64::INFINITY,
         };
         setting.with_length(substeps)
     }

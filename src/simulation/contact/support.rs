@@ -101,9 +101,6 @@ struct Holding {
 impl Contact {
     /// Holds what presses.
     pub(super) fn support(&mut self) {
-        // Large piles tremble: without a grip, ten thousand balls take five times as long to come to rest.
-        self.setting.gripping =
-            if self.setting.amount == Amount::Few { self.setting.firm } else { f64::INFINITY };
         let holding = self.holding();
         let Holding { sweeps, to_the_end } = holding;
         self.setting.to_the_end = to_the_end.then_some(sweeps[0].enough);
@@ -209,7 +206,9 @@ impl Stripe {
         // No more than that is asked for, and a quotient for each pair would cost.
         let (mut pressed, mut least) = (false, None);
         for (kind, Sweeps { enough, left, .. }) in holding.of(self, round).rev() {
-            self.solve_inward(bodies, kind, left, |speed, reach| pressed |= speed > enough.of(reach));
+            self.solve_inward(bodies, kind, left, |speed, [one, other]| {
+                pressed |= speed > enough.of(one + other)
+            });
             least = least.or(Some(enough));
         }
         let Some(least) = least else { return };
@@ -312,14 +311,16 @@ impl Stripe {
     fn relax_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
         let Self { constraints, touching, .. } = self;
         let Share { bodies, rests, .. } = share;
+        let few = setting.amount == Amount::Few;
         each(constraints, touching.iter(), bodies, |constraint, first, second| {
             constraint.least = lesser(0.0, constraint.least);
             // Across what presses: neither changes the other.
             let sliding = constraint.normal.perp_dot(first.velocity - second.velocity);
             solve(constraint, first, second, 1.0);
             let still = first.inverse_mass == 0.0 || second.inverse_mass == 0.0;
-            // Else nothing would slide down a slope of fixed balls.
-            if !(setting.has_fixed && still && on_fixed(rests, constraint.pair)) {
+            // Few come to rest without. And else nothing would slide down a slope of fixed balls.
+            let glides = few || setting.has_fixed && still && on_fixed(rests, constraint.pair);
+            if !glides {
                 calm(constraint, first, second, sliding, setting.firm);
             }
         });
@@ -343,22 +344,29 @@ impl Stripe {
     }
 
     /// Holds all pairs of a kind apart that touch, one after the other with gravity, and tells by how much that changes the speed
-    /// at which each parts, px/s, and the sum of its radii.
+    /// at which each parts, px/s, and its radii.
     #[inline]
-    fn solve_inward(&mut self, bodies: &mut [Body], kind: Unlike, left: f64, mut tell: impl FnMut(f64, f64)) {
+    fn solve_inward(
+        &mut self,
+        bodies: &mut [Body],
+        kind: Unlike,
+        left: f64,
+        mut tell: impl FnMut(f64, [f64; 2]),
+    ) {
         let range = self.touching_of(kind);
         let Self { constraints, touching, .. } = self;
         each(constraints, touching[range].iter().rev(), bodies, |constraint, first, second| {
             let change = solve(constraint, first, second, left).abs();
-            tell(change * (first.inverse_mass + second.inverse_mass), first.radius + second.radius);
+            tell(change * (first.inverse_mass + second.inverse_mass), [first.radius, second.radius]);
         });
     }
 
     /// The same of like balls. The most that changes, in times what is enough.
     fn measure_inward(&mut self, bodies: &mut [Body], left: f64, enough: Tolerance) -> f64 {
         let mut most = 0.0_f64;
-        self.solve_inward(bodies, Unlike::Nothing, left, |speed, reach| {
-            most = most.max(speed / enough.of(reach));
+        self.solve_inward(bodies, Unlike::Nothing, left, |speed, [one, other]| {
+            // By the smaller: on a large one, fixed or not, it would be left to wander.
+            most = most.max(speed / enough.of(2.0 * lesser(one, other)));
         });
         most
     }

@@ -12,6 +12,7 @@
 //! Each counts so for all that hold it, not for each pair alike: what comes of it is what balls of these weights would do, which
 //! takes energy or keeps it as long as they are the same. Impacts know what each really weighs.
 
+use super::amount::Amount;
 use super::constraints::Constraint;
 use super::near::Near;
 use super::sleep::Rest;
@@ -21,6 +22,8 @@ use super::{Body, Contact, DVec2, Setting};
 /// No ball counts as less than half as dense as one above or beside it counts, or as heavy where that is less. With a quarter,
 /// light balls are pressed into each other in corners in one pile out of four, and stay there.
 const HEAVIER: f64 = 2.0;
+/// The same among few balls, where sweeps find more: there light ones are pushed aside as they should be.
+const HEAVIER_OF_FEW: f64 = 6.0;
 /// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
 const LEFT: f64 = 0.25;
 /// Balls are weighed anew after so many of the shortest substeps, in the next that is not quiet, and where pairs were searched.
@@ -91,7 +94,7 @@ impl Contact {
                 let (ball, its) = (&bodies[one], &bodies[other]);
                 if will_press(setting, ball, its) {
                     // None counts for more than what made this one heavier would, if it is as large.
-                    let mass = rests[other].in_impacts().max(ball.inverse_mass / HEAVIER).recip();
+                    let mass = rests[other].in_impacts().max(ball.inverse_mass / setting.heavier()).recip();
                     holding[one] = (holding[one].0 + its.velocity * mass, holding[one].1 + mass);
                 }
             }
@@ -105,6 +108,13 @@ impl Contact {
                 fate.slow_down(setting, body, change);
             }
         }
+    }
+}
+
+impl Setting {
+    /// By how many times the density of those that press on it a ball may be less dense, and still weigh what it does.
+    fn heavier(&self) -> f64 {
+        if self.amount == Amount::Few { HEAVIER_OF_FEW } else { HEAVIER }
     }
 }
 
@@ -128,10 +138,10 @@ impl Near {
         // Mostly from above: what passes weight on has it already then.
         while loads.iter().rev().fold(false, |any, &(upper, lower)| {
             let (upper, lower) = (upper as usize, lower as usize);
-            let down = presses(upper) && make_heavier(bodies, counted, upper, lower);
+            let down = presses(upper) && make_heavier(setting.heavier(), bodies, counted, upper, lower);
             // What counts as heavier passes that on upwards, too; what only is so carries what lies on it.
             let passes_on = counted[lower] < rests[lower].own && presses(lower);
-            let up = passes_on && make_heavier(bodies, counted, lower, upper);
+            let up = passes_on && make_heavier(setting.heavier(), bodies, counted, lower, upper);
             down || up || any
         }) {}
         // Sleepers rest on what they weighed when they fell asleep.
@@ -160,7 +170,7 @@ impl Near {
                 let (first, second) = (pair.first as usize, pair.second as usize);
                 let push = constraint.normal * constraint.impulse + constraint.grip;
                 for (ball, by, push) in [(first, second, push), (second, first, -push)] {
-                    if rests[by].own <= HEAVIER * rests[ball].counted {
+                    if rests[by].own <= setting.heavier() * rests[ball].counted {
                         left[ball] += push * rests[ball].counted;
                     }
                 }
@@ -243,9 +253,9 @@ fn will_press(setting: &Setting, first: &Body, second: &Body) -> bool {
 }
 
 /// Lets one ball count as heavier where it is too light for what another counts with. Whether it was.
-fn make_heavier(bodies: &[Body], counted: &mut [f64], heavy: usize, light: usize) -> bool {
+fn make_heavier(times: f64, bodies: &[Body], counted: &mut [f64], heavy: usize, light: usize) -> bool {
     let ratio = (bodies[heavy].radius / bodies[light].radius).max(1.0);
-    let most = HEAVIER * ratio * ratio * counted[heavy];
+    let most = times * ratio * ratio * counted[heavy];
     let too_light = most > 0.0 && counted[light] > most;
     if too_light {
         counted[light] = most;
