@@ -88,4 +88,4 @@ pub use glam::DVec2;
 pub use scene::{Scene, SceneError};
 pub use session::{Change, Command, Session};
 pub use simulation::limits::OutOfRange;
-pub use simulation::{Ball, BuildError, Pairs, Part, Simulation, Solver, Tally, World};
+pub use simulation::{Ball, BuildError, EditError, Pairs, Part, Simulation, Solver, Tally, World};

@@ -53,6 +53,7 @@ const THREADS: (&str, &[&str]) = ("simulation/contact/team.rs", &["panic", "rayo
 const RE_EXPORTS: &[(&str, &str)] = &[
     ("OutOfRange", "simulation"),
     ("BuildError", "simulation"),
+    ("EditError", "simulation"),
     ("Simulation", "simulation"),
     ("Solver", "simulation"),
     ("World", "simulation"),

@@ -6,7 +6,7 @@ use thiserror::Error;
 use crate::OutOfRange;
 use crate::scene::SceneError;
 use crate::simulation::limits::{COORDINATE, GRAVITY, Quantity, RADIUS, SIZE, VELOCITY};
-use crate::simulation::{BuildError, Solver};
+use crate::simulation::{BuildError, EditError, Solver};
 
 /// Something to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -175,6 +175,15 @@ pub enum CommandError {
     /// A number is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
+}
+
+impl From<EditError> for CommandError {
+    fn from(error: EditError) -> Self {
+        match error {
+            EditError::NoBall { index, .. } => Self::NoBall(index),
+            EditError::OutOfRange(error) => Self::OutOfRange(error),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -27,6 +27,7 @@ mod tally;
 mod world;
 
 pub use ball::Ball;
+pub use changes::EditError;
 use clock::Clock;
 pub use fit::BuildError;
 pub(crate) use fit::within;
