@@ -148,7 +148,12 @@ impl Scene {
             let scene = source.lines().find_map(|line| line.strip_prefix("scene ")).unwrap_or("SCENE");
             return Err(SceneError::Replay { path: path.to_owned(), scene: shown(scene, LONGEST_NAME) });
         }
-        Ok(Self { path: Some(path.to_owned()), ..Self::parse(&name, &source)? })
+        Self::of_file(path, &source)
+    }
+
+    /// A scene from the text of the file at this path, whose bytes may not all be text.
+    pub(crate) fn of_file(path: &Path, source: &str) -> Result<Self, SceneError> {
+        Ok(Self { path: Some(path.to_owned()), ..Self::parse(&path.to_string_lossy(), source)? })
     }
 
     /// A scene from the text of a scene file; messages call it `origin`.

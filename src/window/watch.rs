@@ -91,7 +91,7 @@ impl Watch {
         }
         // It was written between two looks without a trace in its times, and may be once more.
         self.read = Some((stamp, now));
-        Some(text.and_then(|text| Scene::parse(&self.path.to_string_lossy(), &text)))
+        Some(text.and_then(|text| Scene::of_file(&self.path, &text)))
     }
 }
 

@@ -271,7 +271,7 @@ impl App {
 
     /// Plays the scene file at this path.
     fn open_file(&mut self, path: &Path) {
-        match Scene::load(&path.to_string_lossy()) {
+        match Scene::load_os(path.as_os_str()) {
             Ok(scene) => {
                 if self.browser.is_some() {
                     // As where one of its scenes is chosen.

@@ -55,3 +55,31 @@ fn a_file_that_is_dropped_on_the_list_of_scenes_is_played_and_a_wrong_one_leaves
     app.drop_file(path);
     assert_eq!((app.session.name(), app.browser.is_some()), ("mine", false));
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_whose_name_is_not_all_text_is_played_and_watched_and_what_is_wrong_with_it_is_told() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(OsStr::from_bytes(b"m\xefne.toml"));
+    std::fs::rename(file(folder.path()), &path).unwrap();
+    let mut app = App::new(
+        &Scene::load("draw").unwrap(),
+        &Options { watch: true, ..OPTIONS },
+        Session::new(&Scene::load("draw").unwrap(), 1).unwrap(),
+    );
+    let said = |app: &App| app.messages.shown(Instant::now()).unwrap().text;
+    begin_turn(&mut app);
+    app.drop_file(path.clone());
+    assert_eq!((app.session.name(), count(&app)), ("m\u{fffd}ne", 3), "{}", said(&app));
+    // Where it was saved, too, it is still that file.
+    std::fs::write(&path, "[[ball]]\nposition = [50, 200]\nradius = 10\n").unwrap();
+    look(&mut app);
+    assert_eq!((count(&app), app.own.as_ref().unwrap().file()), (1, Some(path.as_path())));
+    std::fs::write(&path, "[[ball]]\nposition = [50, 200]\nradius = -1\n").unwrap();
+    begin_turn(&mut app);
+    app.drop_file(path);
+    assert!(said(&app).contains("m\u{fffd}ne.toml:3: radius is -1"), "{}", said(&app));
+}

@@ -84,6 +84,14 @@ fn press(app: &mut App, button: MouseButton, state: ElementState) {
     app.press(button, state);
 }
 
+/// Looks at the file that is watched until what was saved is told.
+fn look(app: &mut App) {
+    for _ in 0..3 {
+        let now = app.watch.as_ref().unwrap().next_poll();
+        app.look_at_file(now);
+    }
+}
+
 fn count(app: &App) -> usize {
     app.session.simulation().balls().len()
 }

@@ -17,14 +17,6 @@ fn watching(path: &Path) -> App {
     App::new(&scene, &options, Session::new(&scene, 1).unwrap())
 }
 
-/// Looks at the file until what was saved is told.
-fn look(app: &mut App) {
-    for _ in 0..3 {
-        let now = app.watch.as_ref().unwrap().next_poll();
-        app.look_at_file(now);
-    }
-}
-
 #[test]
 fn a_file_that_is_saved_while_the_list_of_scenes_is_open_is_what_its_card_plays() {
     let folder = tempfile::tempdir().unwrap();
