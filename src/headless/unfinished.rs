@@ -9,7 +9,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::mem;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 use tempfile::NamedTempFile;
 
@@ -21,15 +21,18 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 }
 
 /// Removes every output file that is not whole yet, and the folders made for them that are empty then, for a program that ends at
-/// once: none can be begun or put into its place from now on, and whoever tries waits for the end.
+/// once: none can be begun or put into its place from now on, and whoever tries waits for the end. To call it again does nothing.
 pub fn discard_unfinished() {
-    let unfinished = unfinished();
-    for path in unfinished.iter().rev() {
-        // One that cannot be removed stays; there is nobody left to tell.
-        let _ = if path.is_dir() { fs::remove_dir(path) } else { fs::remove_file(path) };
-    }
-    // Never unlocked.
-    mem::forget(unfinished);
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let unfinished = unfinished();
+        for path in unfinished.iter().rev() {
+            // One that cannot be removed stays; there is nobody left to tell.
+            let _ = if path.is_dir() { fs::remove_dir(path) } else { fs::remove_file(path) };
+        }
+        // Never unlocked.
+        mem::forget(unfinished);
+    });
 }
 
 /// Folders that were made for files to come. Dropped, those of them that are empty are removed.

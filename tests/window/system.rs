@@ -1,6 +1,12 @@
 //! Files that the window saves, how it ends, and what it says where there can be none.
 
+use std::io::Write;
+use std::os::fd::OwnedFd;
+use std::os::unix::net::UnixStream;
+use std::os::unix::process::ExitStatusExt;
 use std::process::Command;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use tiny_skia::Pixmap;
 
@@ -95,7 +101,7 @@ fn a_signal_while_recording_saves_what_was_recorded_and_leaves_nothing_half_writ
             std::fs::read_dir(window.folder.path()).unwrap().next().is_some()
         });
         // It begins with the first picture that is shown.
-        std::thread::sleep(std::time::Duration::from_secs(1));
+        sleep(Duration::from_secs(1));
         window.signal(signal);
         let (status, said) = window.end_saying();
         assert!(!status.success());
@@ -107,6 +113,59 @@ fn a_signal_while_recording_saves_what_was_recorded_and_leaves_nothing_half_writ
         assert!(gif.starts_with(b"GIF89a") && gif.ends_with(&[0x3b]), "{signal}: {} bytes", gif.len());
         assert!(said.contains("saved carom-elastic-1.gif"), "{signal}: {said}");
     }
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_second_signal_while_a_recording_is_finished_ends_the_window_at_once_and_leaves_nothing() {
+    let display = Display::start();
+    let mut window = display.open(&["elastic", "--balls", "300"]);
+    window.key("v");
+    window.wait("the recording", |window| std::fs::read_dir(window.folder.path()).unwrap().next().is_some());
+    sleep(Duration::from_secs(1));
+    // Stopped, it does not finish the recording between the two.
+    window.signal("INT");
+    sleep(Duration::from_millis(20));
+    window.signal("STOP");
+    sleep(Duration::from_millis(500));
+    window.signal("INT");
+    window.signal("CONT");
+    let (status, said) = window.end_saying();
+    assert_eq!(status.signal(), Some(2), "{said}");
+    let left: Vec<_> = std::fs::read_dir(window.folder.path()).unwrap().collect();
+    assert!(left.is_empty(), "{left:?}: {said}");
+}
+
+#[test]
+#[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
+fn a_second_signal_ends_the_window_where_nobody_reads_its_last_words_and_the_same_sent_twice_is_one() {
+    let display = Display::start();
+    let (nobody, theirs) = UnixStream::pair().unwrap();
+    let mut command = display.command(&program());
+    command.args(["elastic", "--timings"]).stderr(OwnedFd::from(theirs.try_clone().unwrap()));
+    let mut child = command.spawn().unwrap();
+    wait("a window", || !display.ask("xdotool", &["search", "--name", "^carom"]).is_empty());
+    theirs.set_nonblocking(true).unwrap();
+    while (&theirs).write(&[0; 4096]).is_ok() {}
+    theirs.set_nonblocking(false).unwrap();
+    let id = child.id().to_string();
+    let send = |signal: &str| drop(display.ask("kill", &["-s", signal, &id]));
+    ["TERM", "TERM"].into_iter().for_each(send);
+    sleep(Duration::from_secs(1));
+    send("HUP");
+    sleep(Duration::from_secs(1));
+    let waits = child.try_wait().unwrap().is_none();
+    send("INT");
+    let begun = Instant::now();
+    while child.try_wait().unwrap().is_none() && begun.elapsed() < PATIENCE {
+        sleep(Duration::from_millis(20));
+    }
+    // One that does not end is not left behind.
+    let _ = child.kill();
+    let status = child.wait().unwrap();
+    assert!(waits, "it ended before: {status}");
+    assert_eq!(status.signal(), Some(2));
+    drop(nobody);
 }
 
 #[test]
