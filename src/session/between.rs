@@ -24,7 +24,11 @@ impl Between {
     pub(super) fn of(state: &State, length: f64, asked: f64) -> Option<Box<Self>> {
         // A frame of `canvas` in parts is not the same frame: what it does depends on the delta.
         let is_shown = length > LONG * asked && state.solver() != Solver::Canvas;
-        is_shown.then(|| Box::new(Self { state: state.clone(), length, gone: 0.0 }))
+        is_shown.then(|| {
+            let mut state = state.clone();
+            state.begin_frame();
+            Box::new(Self { state, length, gone: 0.0 })
+        })
     }
 
     /// Moves on to where `left` seconds of the frame are left.

@@ -157,6 +157,13 @@ impl Session {
         self.shown().given()
     }
 
+    /// Whether a hand carried a ball in the last frame. What it gives and what impacts take are not told apart then: the [given
+    /// energy](Self::given_energy) is counted anew in each such frame.
+    #[must_use]
+    pub fn is_carrying(&self) -> bool {
+        self.shown().is_carrying()
+    }
+
     /// Whether time stands still.
     #[must_use]
     pub fn is_paused(&self) -> bool {

@@ -45,6 +45,10 @@ pub(super) struct State {
     /// The energy that balls had at the start and that changes have given them since, mass·px²/s²; counted anew where what came
     /// before would hide all that comes.
     given: f64,
+    /// Whether a hand has pulled a ball since the last frame, ...
+    pulled: bool,
+    /// ... and whether one did before that frame, which carried the ball then.
+    carried: bool,
     /// What was played before the last reset.
     before: Played,
 }
@@ -96,6 +100,8 @@ impl State {
             fresh: true,
             seed,
             additions: 0,
+            pulled: false,
+            carried: false,
             before: Played::default(),
         })
     }
@@ -123,6 +129,16 @@ impl State {
     /// The energy that the balls would have if impacts took none, mass·px²/s².
     pub(super) fn given(&self) -> f64 {
         self.given + self.rained()
+    }
+
+    /// Whether a hand carried a ball in the last frame.
+    pub(super) fn is_carrying(&self) -> bool {
+        self.carried
+    }
+
+    /// A frame begins, in which [`advance`](Self::advance) moves on.
+    pub(super) fn begin_frame(&mut self) {
+        self.carried = std::mem::take(&mut self.pulled);
     }
 
     /// The energy that rain has brought so far, mass·px²/s².
@@ -191,6 +207,7 @@ impl State {
         let anew = self.simulation.balls().is_empty()
             || matches!(change, Change::Carry { .. } | Change::ToggleGravity | Change::TiltGravity(_));
         self.given = if anew { after - self.rained() } else { self.given + after - before };
+        self.pulled |= done.is_ok() && matches!(change, Change::Carry { .. });
         let makes_room = matches!(
             change,
             Change::Remove(_) | Change::RemoveLast | Change::Place { .. } | Change::Resize(_)
@@ -212,6 +229,7 @@ impl State {
         self.simulation.resize(self.size)?;
         self.gravity = remembered(&self.simulation);
         self.fresh = true;
+        (self.pulled, self.carried) = (false, false);
         self.given = energy(&self.simulation);
         if self.truth.is_some() {
             self.truth = Some(Truth::of(&self.simulation));

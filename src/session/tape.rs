@@ -48,6 +48,7 @@ impl Frame {
         mut go_on: impl FnMut() -> bool,
     ) -> Result<(Self, f64), crate::OutOfRange> {
         let (mut looks, mut cut) = (0_u32, None);
+        state.begin_frame();
         let done = state.advance(seconds, &mut || {
             looks = looks.saturating_add(1);
             if cut.is_none() && !go_on() {

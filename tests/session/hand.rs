@@ -1,6 +1,6 @@
 //! Balls in the hand: carried, flung, put down and pointed at.
 
-use carom::session::{Change, CommandError, STEP, Session};
+use carom::session::{Change, Command, CommandError, STEP, Session};
 use carom::{Ball, DVec2, Scene, Solver};
 
 use super::{balls, session};
@@ -113,4 +113,35 @@ fn the_ball_under_the_pointer_is_the_one_on_top() {
     if balls(&session).len() > count {
         assert_eq!(session.ball_at(at), Some(count));
     }
+}
+
+#[test]
+fn it_is_told_of_each_frame_whether_a_hand_carried_a_ball_also_where_it_is_played_again() {
+    let mut session = session("gravity", Solver::Exact);
+    session.advance(0.0).unwrap();
+    let carried = [false, true, true, false];
+    let frames = |session: &mut Session, parts: u32| {
+        let part = |session: &mut Session| {
+            session.advance(STEP).unwrap();
+            session.is_carrying()
+        };
+        (0..4 * parts).map(|_| part(session)).collect::<Vec<_>>()
+    };
+    for carries in carried {
+        if carries {
+            session.apply(Change::Carry { ball: 3, to: DVec2::new(400.0, 300.0) }.into()).unwrap();
+        }
+        session.advance(STEP).unwrap();
+        assert_eq!(session.is_carrying(), carries);
+    }
+    for parts in [1, 4] {
+        (0..4).for_each(|_| session.apply(Command::Back).unwrap());
+        session.set_time_scale(1.0 / f64::from(parts));
+        let each = carried.into_iter().flat_map(|carries| (0..parts).map(move |_| carries));
+        assert_eq!(frames(&mut session, parts), each.collect::<Vec<_>>(), "in {parts} parts");
+    }
+    session.apply(Change::Carry { ball: 3, to: DVec2::new(400.0, 300.0) }.into()).unwrap();
+    session.advance(STEP).unwrap();
+    session.apply(Change::Reset.into()).unwrap();
+    assert!(!session.is_carrying());
 }

@@ -116,7 +116,7 @@ impl App {
             speed: self.session.speed(),
             paused: self.session.is_paused(),
             measured,
-            given: self.session.given_energy(),
+            given: (!self.session.is_carrying()).then(|| self.session.given_energy()),
             split: self.split,
         });
         gauge.panel(room)

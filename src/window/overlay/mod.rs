@@ -201,7 +201,7 @@ mod tests {
             speed: None,
             paused: false,
             measured: 0.0,
-            given: 1.0,
+            given: Some(1.0),
             split: [std::time::Duration::ZERO; 3],
         });
         gauge

@@ -82,3 +82,27 @@ fn the_hint_goes_where_what_it_hints_at_is_seen() {
         assert!(app.messages.shown(Instant::now()).is_none());
     }
 }
+
+#[test]
+fn while_a_hand_carries_a_ball_nothing_is_said_of_what_impacts_take() {
+    let mut app = app("gravity");
+    hold(&mut app, Action::ToggleFigures, false);
+    let size = app.session.simulation().world().size();
+    let mut now = Instant::now();
+    let mut change = |app: &mut App| {
+        now += Duration::from_secs_f64(STEP);
+        app.advance(now, size).unwrap();
+        // So long that figures are taken anew.
+        app.overlay(Room { picture: size, scale: 1.0 }, 1.0, now);
+        app.gauge.as_ref().unwrap().change()
+    };
+    assert!(change(&mut app).unwrap() < -0.01, "impacts have taken some");
+    app.hands.point_at(app.session.simulation().balls()[4].position());
+    press(&mut app, MouseButton::Left, ElementState::Pressed);
+    for _ in 0..20 {
+        app.hands.point_at(app.hands.pointer().unwrap() - DVec2::new(3.0, 5.0));
+        assert_eq!(change(&mut app), None);
+    }
+    press(&mut app, MouseButton::Left, ElementState::Released);
+    assert!(change(&mut app).is_some());
+}

@@ -28,7 +28,7 @@ fn range(gauge: &Gauge, start: f64) -> (f64, f64, Option<f64>) {
     let all = drawn.flat_map(|point| [point.kinetic, point.potential, point.kinetic + point.potential]);
     let (low, high) =
         all.fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value / 2.0), high.max(value / 2.0)));
-    let given = gauge.figures().map(|figures| figures.given);
+    let given = gauge.figures().and_then(|figures| figures.given);
     let most = MOST_GIVEN * high.max(-low);
     let given = given.filter(|given| given.is_finite() && (given / 2.0).abs() <= most);
     let half = given.map_or(0.0, |given| given / 2.0);
@@ -99,7 +99,7 @@ mod tests {
                 speed: None,
                 paused: false,
                 measured: 1.0,
-                given,
+                given: Some(given),
                 split: [Duration::ZERO; 3],
             });
             let (low, high, level) = range(&gauge, 0.0);

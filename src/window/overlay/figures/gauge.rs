@@ -34,8 +34,9 @@ pub(in crate::window) struct Frame<'a> {
     pub(in crate::window) paused: bool,
     /// The time since the frame before, s of wall-clock time; 0 where it is not known.
     pub(in crate::window) measured: f64,
-    /// The energy that the balls would have if no impact had taken any, mass·px²/s².
-    pub(in crate::window) given: f64,
+    /// The energy that the balls would have if no impact had taken any, mass·px²/s²; none while a hand carries a ball, and nobody
+    /// knows.
+    pub(in crate::window) given: Option<f64>,
     /// How long it took to advance, to paint and to present the last frame that did all three.
     pub(in crate::window) split: [Duration; 3],
 }
@@ -95,10 +96,11 @@ pub(super) struct Figures {
     pub(super) impact_rate: Option<f64>,
     pub(super) kinetic: f64,
     pub(super) potential: f64,
-    /// What impacts have added to the energy, as a fraction of what it would be without: negative where they took some.
+    /// What impacts have added to the energy, as a fraction of what it would be without: negative where they took some. None where
+    /// that is not known.
     pub(super) change: Option<f64>,
     /// The energy that there would be without impacts.
-    pub(super) given: f64,
+    pub(super) given: Option<f64>,
     pub(super) momentum: [f64; 2],
     /// The deepest overlap of two balls as a fraction of the smaller radius; none where balls do not notice each other.
     pub(super) overlap: Option<f64>,
@@ -145,6 +147,12 @@ impl Gauge {
     /// The figures that stand now.
     pub(super) fn figures(&self) -> Option<&Figures> {
         self.figures.as_ref()
+    }
+
+    /// What impacts have added to the energy, where that is known.
+    #[cfg(test)]
+    pub(in crate::window) fn change(&self) -> Option<f64> {
+        self.figures.as_ref()?.change
     }
 
     /// The energies of the last ten simulated seconds.
@@ -196,7 +204,7 @@ impl Gauge {
             kept.and_then(|before| before.impact_rate)
         };
         let split = sum.split.map(|part| 1e3 * part.as_secs_f64() / f64::from(sum.frames.max(1)));
-        let change = (kinetic + potential - frame.given) / frame.given.abs();
+        let change = frame.given.map(|given| (kinetic + potential - given) / given.abs());
         let figures = Figures {
             scene: frame.scene.to_owned(),
             solver,
@@ -209,7 +217,7 @@ impl Gauge {
             impact_rate,
             kinetic,
             potential,
-            change: change.is_finite().then_some(change),
+            change: change.filter(|change| change.is_finite()),
             given: frame.given,
             momentum: momentum(balls).to_array(),
             overlap,
@@ -239,7 +247,7 @@ mod tests {
             speed: None,
             paused: false,
             measured: 1.0 / 60.0,
-            given: 1.0,
+            given: Some(1.0),
             split: [1, 2, 3].map(Duration::from_millis),
         }
     }
@@ -331,12 +339,16 @@ mod tests {
         let simulation = Scene::load("gravity").unwrap().build().unwrap();
         let energy =
             kinetic_energy(simulation.balls()) + potential_energy(simulation.world(), simulation.balls());
-        for (given, change) in
-            [(energy, Some(0.0)), (2.0 * energy, Some(-0.5)), (0.0, None), (f64::NAN, None)]
-        {
+        for (given, change) in [
+            (Some(energy), Some(0.0)),
+            (Some(2.0 * energy), Some(-0.5)),
+            (Some(0.0), None),
+            (Some(f64::NAN), None),
+            (None, None),
+        ] {
             let mut gauge = Gauge::default();
             gauge.feed(&Frame { given, ..frame(&simulation) });
-            assert_eq!(gauge.figures().unwrap().change, change, "{given}");
+            assert_eq!(gauge.figures().unwrap().change, change, "{given:?}");
         }
     }
 

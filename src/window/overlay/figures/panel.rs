@@ -275,7 +275,7 @@ mod tests {
                 speed: None,
                 paused: false,
                 measured: 1.0 / 60.0,
-                given,
+                given: Some(given),
                 split: [Duration::from_micros(40); 3],
             });
         }
