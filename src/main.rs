@@ -11,7 +11,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use carom::headless::{self, Course, Frames, Run, RunError};
+use carom::headless::{self, Course, Frames, FramesError, Run, RunError};
 use carom::paint::AnimationError;
 #[cfg(feature = "report")]
 use carom::report::{self, ReportError};
@@ -109,9 +109,14 @@ impl Failure {
             Self::Run(RunError::Scene(SceneError::NoRoom { .. })) => " (--balls, --size)",
             #[cfg(feature = "window")]
             Self::Window(WindowError::Scene(SceneError::NoRoom { .. })) => " (--balls, --size)",
+            #[cfg(feature = "window")]
+            Self::Window(WindowError::TooLarge { .. } | WindowError::GraphicsMemory { .. }) => " (--size)",
             Self::Run(
                 RunError::Picture(_) | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
             ) => " (--size)",
+            Self::Run(RunError::Frames(FramesError::Seconds(_))) => " (--seconds)",
+            Self::Run(RunError::Frames(FramesError::Rate(_))) => " (--fps)",
+            Self::Run(RunError::Frames(FramesError::TooMany { .. })) => " (--seconds, --fps)",
             _ => "",
         }
     }

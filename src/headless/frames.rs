@@ -27,9 +27,23 @@ enum Kind {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FramesError {
-    /// The time or the frame rate is out of range.
-    #[error("{0}")]
-    Range(String),
+    /// The time, s, is out of range.
+    #[error("the time is {} s; give 0 to {LONGEST:e}", Short(*.0))]
+    Seconds(f64),
+    /// The frame rate, frames per second, is out of range.
+    #[error("the frame rate is {} per second; give {:e} to {:e}", Short(*.0), RATES.0, RATES.1)]
+    Rate(f64),
+    /// They come to too many frames.
+    #[error(
+        "{} s at {} frames per second are {:e} frames; ask for at most {MOST_FRAMES:e}",
+        Short(*seconds), Short(*rate), seconds * rate
+    )]
+    TooMany {
+        /// The time, s.
+        seconds: f64,
+        /// The frame rate, frames per second.
+        rate: f64,
+    },
     /// The file of deltas cannot be read.
     #[error("{}: {source}; give a file with one delta in seconds a line", path.display())]
     Unreadable {
@@ -74,29 +88,18 @@ impl Frames {
     /// number of frames, the last one is shorter.
     ///
     /// # Errors
-    /// [`FramesError::Range`] where one of the two makes no sense.
+    /// [`FramesError::Seconds`] and [`FramesError::Rate`] where one of the two is out of range, [`FramesError::TooMany`] where they
+    /// are together.
     pub fn even(seconds: f64, rate: f64) -> Result<Self, FramesError> {
         if !(0.0..=LONGEST).contains(&seconds) {
-            return Err(FramesError::Range(format!(
-                "--seconds is {}; give 0 to {LONGEST:e}",
-                Short(seconds)
-            )));
+            return Err(FramesError::Seconds(seconds));
         }
         if !(RATES.0..=RATES.1).contains(&rate) {
-            return Err(FramesError::Range(format!(
-                "--fps is {}; give {:e} to {:e}",
-                Short(rate),
-                RATES.0,
-                RATES.1
-            )));
+            return Err(FramesError::Rate(rate));
         }
         let frames = seconds * rate;
         if frames > MOST_FRAMES {
-            return Err(FramesError::Range(format!(
-                "--seconds {} at --fps {} are {frames:e} frames; ask for at most {MOST_FRAMES:e}",
-                Short(seconds),
-                Short(rate)
-            )));
+            return Err(FramesError::TooMany { seconds, rate });
         }
         let delta = 1.0 / rate;
         let nearest = frames.round();
@@ -204,7 +207,8 @@ mod tests {
     fn times_and_rates_that_make_no_sense_are_refused() {
         for (seconds, rate) in [(-1.0, 60.0), (f64::NAN, 60.0), (1.0, 0.0), (1.0, f64::INFINITY), (1e9, 1e9)]
         {
-            assert!(Frames::even(seconds, rate).is_err(), "{seconds} {rate}");
+            let error = Frames::even(seconds, rate).unwrap_err().to_string();
+            assert!(!error.contains("--"), "who calls the library gave no option: {error}");
         }
     }
 

@@ -54,7 +54,7 @@ pub enum WindowError {
     },
     /// The window is larger than the graphics adapter can draw.
     #[error(
-        "a window of {width}x{height} px is more than this graphics adapter can draw; give a smaller --size"
+        "a window of {width}x{height} px is more than this graphics adapter can draw; ask for a smaller one"
     )]
     TooLarge {
         /// Its width in pixels.
@@ -70,8 +70,8 @@ pub enum WindowError {
     },
     /// There is no graphics memory for the window.
     #[error(
-        "there is no graphics memory left for a window of {width}x{height} px; close other programs, or give a smaller \
-         --size"
+        "there is no graphics memory left for a window of {width}x{height} px; close other programs, or ask for a smaller \
+         one"
     )]
     GraphicsMemory {
         /// Its width in pixels.
