@@ -68,6 +68,12 @@ impl Session {
     /// replay holds.
     pub(super) fn change(&mut self, change: Change) -> Result<(), CommandError> {
         change.check()?;
+        let window = self.window.filter(|&size| self.is_in_the_past() && size != self.state.size());
+        if let Some(size) = window.filter(|_| !matches!(change, Change::Resize(_))) {
+            // What is added now, or begun again, is for the window as it is now. A size that no world may have is told with the next
+            // frame.
+            let _ = self.change(Change::Resize(size));
+        }
         (self.due, self.between) = (0.0, None);
         let done = self.state.apply(change);
         let entry = Entry::Change(Box::new(change));

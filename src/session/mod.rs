@@ -69,6 +69,8 @@ pub struct Session {
     opened: Arc<Start>,
     state: State,
     tape: Tape,
+    /// The size that whoever owns a window said last, px; in the past the world has that which it had then.
+    window: Option<DVec2>,
     /// For the random balls that commands add, and those that are drawn anew.
     seed: u64,
     /// How often random balls were drawn anew.
@@ -100,6 +102,7 @@ impl Session {
             opened: Arc::clone(state.start()),
             tape: Tape::new(&state),
             state,
+            window: None,
             seed,
             reseeded: 0,
             paused: false,
@@ -331,11 +334,12 @@ impl Session {
 
     /// Makes the world `size` px large, as far as its balls allow. It costs nothing where that is what was asked for
     /// last. In the past the world stays as it was then: whoever owns a window says its size in each frame, and that is
-    /// not to take the place of what was played.
+    /// not to take the place of what was played. The next change there, which does, makes it so large first.
     ///
     /// # Errors
     /// [`CommandError`] where no world may have this size.
     pub fn resize(&mut self, size: DVec2) -> Result<(), CommandError> {
+        self.window = Some(size);
         if size == self.state.size() || self.is_in_the_past() || self.is_working() {
             Ok(())
         } else {
@@ -386,7 +390,7 @@ impl Session {
     /// # Errors
     /// [`SceneError`] where the scene's balls do not fit; what is played is as before then.
     pub fn open(&mut self, scene: &Scene) -> Result<(), SceneError> {
-        let size = self.state.size();
+        let size = self.window.filter(|_| self.is_in_the_past()).unwrap_or(self.state.size());
         // Fills want the size at hand; what does not fit it is built as the scene would have it, then brought inside.
         let resized = scene.clone().with_size(size).ok();
         let mut session = match resized.and_then(|scene| Self::new(&scene, self.seed).ok()) {
@@ -398,7 +402,7 @@ impl Session {
         if self.state.truth.is_some() {
             let _ = session.change(Change::Compare(true));
         }
-        *self = Self { paused: self.paused, time_scale: self.time_scale, ..session };
+        *self = Self { paused: self.paused, time_scale: self.time_scale, window: self.window, ..session };
         Ok(())
     }
 }

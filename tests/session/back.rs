@@ -1,7 +1,9 @@
 //! Going back in time, and on again, gives the same bits.
 
-use carom::session::{Change, Command, CommandError, STEP, Working};
-use carom::{DVec2, Solver};
+use std::path::Path;
+
+use carom::session::{Change, Command, CommandError, Replay, STEP, Working};
+use carom::{Ball, DVec2, Scene, Solver};
 
 use super::{balls, delta, session};
 
@@ -125,6 +127,56 @@ fn one_goes_back_to_before_the_window_had_its_size_and_on_again() {
     }
     assert!(!session.is_in_the_past());
     assert_eq!(session.simulation().world().size(), small);
+}
+
+#[test]
+fn a_change_in_the_past_is_made_in_the_window_as_it_is_now() {
+    let [small, large] = [DVec2::new(330.0, 240.0), DVec2::new(1280.0, 720.0)];
+    for (before, now) in [(small, large), (large, small)] {
+        let past = |scene: &str| {
+            let mut session = session(scene, Solver::Exact);
+            for frame in 0..40 {
+                session.resize(if frame < 20 { before } else { now }).unwrap();
+                session.advance(STEP).unwrap();
+            }
+            (0..30).for_each(|_| session.apply(Command::Back).unwrap());
+            session.resize(now).unwrap();
+            assert_eq!(session.simulation().world().size(), before);
+            session
+        };
+        let mut added = past("elastic");
+        added.apply(Change::AddRandom(100).into()).unwrap();
+        let reached = balls(&added).iter().map(Ball::position).fold(DVec2::ZERO, DVec2::max);
+        assert!(reached.cmplt(now).all() && reached.cmpgt(0.8 * now).all(), "{now}: {reached}");
+        let mut reset = past("walls");
+        reset.apply(Change::Reset.into()).unwrap();
+        let mut fresh = session("walls", Solver::Exact);
+        fresh.resize(now).unwrap();
+        assert_eq!(balls(&reset), balls(&fresh), "{now}");
+        let (mut opened, scene) = (past("draw"), Scene::load("walls").unwrap());
+        for session in [&mut opened, &mut fresh] {
+            session.open(&scene).unwrap();
+        }
+        assert_eq!(opened.simulation().world().size(), now);
+        assert_eq!(balls(&opened), balls(&fresh), "{now}");
+        // It is done again with all else.
+        let mut replay = Replay::parse(Path::new("a"), &added.replay().unwrap(), added.scene()).unwrap();
+        while replay.advance().unwrap() {}
+        assert_eq!(replay.simulation().balls(), balls(&added));
+    }
+}
+
+#[test]
+fn where_nobody_has_a_window_a_change_in_the_past_is_made_in_the_world_of_then() {
+    let mut session = session("draw", Solver::Exact);
+    let size = session.simulation().world().size();
+    session.advance(STEP).unwrap();
+    session.apply(Change::Resize(size / 2.0).into()).unwrap();
+    session.advance(STEP).unwrap();
+    session.apply(Command::Back).unwrap();
+    assert_eq!(session.simulation().world().size(), size);
+    session.apply(Change::AddRandom(1).into()).unwrap();
+    assert_eq!(session.simulation().world().size(), size);
 }
 
 #[test]
