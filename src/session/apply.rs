@@ -51,8 +51,8 @@ impl Session {
                     return Err(CommandError::NoEarlier);
                 }
             }
-            Command::Slower => self.set_time_scale(self.time_scale / 2.0),
-            Command::Faster => self.set_time_scale(self.time_scale * 2.0),
+            Command::Slower => self.set_time_scale(stopping_at_1(self.time_scale, self.time_scale / 2.0)),
+            Command::Faster => self.set_time_scale(stopping_at_1(self.time_scale, self.time_scale * 2.0)),
             Command::Scene(number) => self.go_to(number)?,
             Command::NextScene => self.go_by(1)?,
             Command::PreviousScene => self.go_by(-1)?,
@@ -118,6 +118,11 @@ impl Session {
         let Some(&name) = scene::names().get(number) else { return Ok(()) };
         Ok(self.open(&Scene::load(name)?)?)
     }
+}
+
+/// The time scale after this one: `next`, or 1 where that lies between. No doubles of 0.3 come to 1.
+fn stopping_at_1(scale: f64, next: f64) -> f64 {
+    if (scale - 1.0) * (next - 1.0) < 0.0 { 1.0 } else { next }
 }
 
 fn next_solver(solver: Solver) -> Solver {

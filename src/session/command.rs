@@ -19,9 +19,9 @@ pub enum Command {
     StepToImpact,
     /// Go back to the frame before, as it was.
     Back,
-    /// Halve the time scale.
+    /// Halve the time scale; where that would pass over 1, make it 1.
     Slower,
-    /// Double the time scale.
+    /// Double the time scale; where that would pass over 1, make it 1.
     Faster,
     /// Go to the built-in scene of this number, from 0; nothing happens where there is none.
     Scene(usize),

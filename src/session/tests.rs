@@ -38,6 +38,24 @@ fn a_hitch_advances_no_more_than_the_longest_frame() {
 }
 
 #[test]
+fn from_any_time_scale_slower_and_faster_come_by_1() {
+    let mut session = session("draw");
+    for begun in [0.3, 1.0 / 3.0, 0.5, 0.99, 1.01, 1.5, 2.0, 7.0] {
+        session.set_time_scale(begun);
+        let towards = if begun < 1.0 { Command::Faster } else { Command::Slower };
+        let came_by = (0..5).any(|_| {
+            session.apply(towards).unwrap();
+            session.time_scale() == 1.0
+        });
+        assert!(came_by, "{begun}");
+        for (command, scale) in [(Command::Faster, 2.0), (Command::Slower, 1.0), (Command::Slower, 0.5)] {
+            session.apply(command).unwrap();
+            assert_eq!(session.time_scale(), scale, "from {begun}");
+        }
+    }
+}
+
+#[test]
 fn steps_are_taken_only_while_paused_each_as_a_frame_of_its_own() {
     let mut session = session("gravity");
     session.apply(Command::Step).unwrap();
