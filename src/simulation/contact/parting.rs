@@ -121,7 +121,7 @@ impl Contact {
             bodies,
             let_go,
             |_| setting.most_thrown(),
-            |body, _| body.velocity,
+            |_, body, _| body.velocity,
         );
         parting.left -= setting.substep;
     }

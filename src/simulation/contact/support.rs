@@ -207,7 +207,7 @@ impl Stripe {
         let (mut pressed, mut least) = (false, None);
         for (kind, Sweeps { enough, left, .. }) in holding.of(self, round).rev() {
             self.solve_inward(bodies, kind, left, |speed, [one, other]| {
-                pressed |= speed > enough.of(one + other)
+                pressed |= speed > enough.of(one + other);
             });
             least = least.or(Some(enough));
         }

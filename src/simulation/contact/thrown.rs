@@ -7,8 +7,11 @@
 //! than what counts as thrown.
 //! What held others against them would throw those now: they are let go of, too.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use glam::DVec2;
 
+use super::amount::Amount;
 use super::constraints::Constraint;
 use super::fates::{Fate, Shift};
 use super::layout::Layer;
@@ -79,11 +82,14 @@ impl Contact {
             thrown.extend(near.stripes[number].thrown.drain(..).map(|body| start + body as usize));
         }
         let most = |at: usize| setting.most_held(&course.fates[at], || rests[at].unlike);
-        let is_carried = setting.grounded;
         near.link_pairs(bodies.len());
-        near.all().let_go_of_all(thrown, bodies, let_go, most, |body, most| {
-            // What falls with others keeps what it gave them, and with these its energy (`energy`).
-            let fastest = body.free.length().max(most);
+        // Many in a crash, or unlike ones, throw each other as fast as any is.
+        let pushes = setting.amount == Amount::Few && !setting.unlike.differs();
+        let fastest = if pushes { near.all().fastest_around(&thrown, bodies) } else { BTreeMap::new() };
+        // What falls with others keeps what it gave them, and with these its energy (`energy`).
+        let is_carried = setting.grounded;
+        near.all().let_go_of_all(thrown, bodies, let_go, most, |at, body, most| {
+            let fastest = fastest.get(&at).copied().unwrap_or_default().max(body.free.length()).max(most);
             if is_carried { body.velocity.clamp_length_max(fastest) } else { body.velocity }
         });
     }
@@ -98,7 +104,7 @@ impl Contact {
             return;
         }
         near.link_pairs(bodies.len());
-        near.all().let_go_of_all(thrown, bodies, take_back, |_| most, |body, _| body.free);
+        near.all().let_go_of_all(thrown, bodies, take_back, |_| most, |_, body, _| body.free);
     }
 }
 
@@ -118,22 +124,47 @@ impl Stripes<'_> {
         bodies: &mut [Body],
         forget: fn(&mut Constraint, &mut Body, &mut Body),
         most: impl Fn(usize) -> f64,
-        anew: impl Fn(&Body, f64) -> DVec2,
+        anew: impl Fn(usize, &Body, f64) -> DVec2,
     ) {
         let mut others = Vec::new();
         while let Some(at) = thrown.pop() {
-            let velocity = anew(&bodies[at], most(at));
+            let velocity = anew(at, &bodies[at], most(at));
             self.let_go_of(at, bodies, forget, &mut others);
             (bodies[at].velocity, bodies[at].free) = (velocity, velocity);
             thrown.extend(others.drain(..).filter(|&other| is_thrown(&bodies[other], most(other))));
         }
     }
 
+    /// For each of these bodies that are thrown the fastest that any is, px/s, of itself, of those that hold each other through
+    /// thrown ones: as fast as that it may have been pushed, as in a row that is hit. Pairs must be linked.
+    fn fastest_around(&self, thrown: &[usize], bodies: &[Body]) -> BTreeMap<usize, f64> {
+        let is_thrown: BTreeSet<usize> = thrown.iter().copied().collect();
+        let mut fastest = BTreeMap::new();
+        for &first in thrown {
+            if fastest.contains_key(&first) {
+                continue;
+            }
+            let (mut group, mut most, mut next) = (BTreeSet::from([first]), 0.0_f64, vec![first]);
+            while let Some(at) = next.pop() {
+                most = most.max(bodies[at].free.length());
+                for other in self.holders(at).map(|holder| holder.other) {
+                    if !is_thrown.contains(&other) {
+                        most = most.max(bodies[other].free.length());
+                    } else if group.insert(other) {
+                        next.push(other);
+                    }
+                }
+            }
+            fastest.extend(group.into_iter().map(|at| (at, most)));
+        }
+        fastest
+    }
+
     /// Lets go of a body, and of those that what held them against it would throw. Its pairs must be linked.
     pub(super) fn let_go_of_one(&mut self, at: usize, bodies: &mut [Body], kick: DVec2) {
         // Without gravity nothing that held a ball does so in the next substep.
         let most = if kick == DVec2::ZERO { f64::INFINITY } else { THROWN * kick.length() };
-        self.let_go_of_all(vec![at], bodies, let_go, |_| most, |body, _| body.velocity);
+        self.let_go_of_all(vec![at], bodies, let_go, |_| most, |_, body, _| body.velocity);
     }
 
     /// Forgets what others and walls give a ball, and it them, as `forget` does it with each constraint, and adds the

@@ -22,8 +22,10 @@ use super::{Body, Contact, DVec2, Setting};
 /// No ball counts as less than half as dense as one above or beside it counts, or as heavy where that is less. With a quarter,
 /// light balls are pressed into each other in corners in one pile out of four, and stay there.
 const HEAVIER: f64 = 2.0;
-/// The same among few balls, where sweeps find more: there light ones are pushed aside as they should be.
+/// The same among few balls, where sweeps find more, and light ones are pushed aside as they should be; unless any has more than so
+/// many times the mass of another.
 const HEAVIER_OF_FEW: f64 = 6.0;
+const MOST_UNLIKE_OF_FEW: f64 = 1e4;
 /// A ball presses on lighter ones where what walls and others as heavy give it leaves more than this part of its weight.
 const LEFT: f64 = 0.25;
 /// Balls are weighed anew after so many of the shortest substeps, in the next that is not quiet, and where pairs were searched.
@@ -37,6 +39,8 @@ const LEVEL: f64 = 2.0 / 3.0;
 pub(super) struct Weights {
     /// In what any two are unlike, wherever they are.
     possible: Unlike,
+    /// By how many times less dense than what presses on it a ball may be, and still weigh what it does.
+    times: f64,
     /// Whether any counts as heavier than it is.
     heavier: bool,
     /// From which step on they are weighed anew.
@@ -94,7 +98,7 @@ impl Contact {
                 let (ball, its) = (&bodies[one], &bodies[other]);
                 if will_press(setting, ball, its) {
                     // None counts for more than what made this one heavier would, if it is as large.
-                    let mass = rests[other].in_impacts().max(ball.inverse_mass / setting.heavier()).recip();
+                    let mass = rests[other].in_impacts().max(ball.inverse_mass / near.weights.times).recip();
                     holding[one] = (holding[one].0 + its.velocity * mass, holding[one].1 + mass);
                 }
             }
@@ -111,23 +115,17 @@ impl Contact {
     }
 }
 
-impl Setting {
-    /// By how many times the density of those that press on it a ball may be less dense, and still weigh what it does.
-    fn heavier(&self) -> f64 {
-        if self.amount == Amount::Few { HEAVIER_OF_FEW } else { HEAVIER }
-    }
-}
-
 impl Near {
     /// Finds what balls weigh where they are held, and keeps what holds them. Whether any weighs something else than before.
     fn weigh(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) -> bool {
         let mut weights = std::mem::take(&mut self.weights);
-        let Weights { before, counted, left, loads, heavier, .. } = &mut weights;
+        let Weights { times, before, counted, left, loads, heavier, .. } = &mut weights;
+        *times = times_of(setting, rests);
         before.clear();
         before.extend(bodies.iter().map(|body| body.inverse_mass));
         counted.clear();
         counted.extend(rests.iter().map(|rest| rest.own));
-        self.find_left(rests, setting, left);
+        self.find_left(rests, setting, *times, left);
         let least = LEFT * setting.kick.length();
         let presses = |at: usize| left[at].length() > least;
         loads.clear();
@@ -138,10 +136,10 @@ impl Near {
         // Mostly from above: what passes weight on has it already then.
         while loads.iter().rev().fold(false, |any, &(upper, lower)| {
             let (upper, lower) = (upper as usize, lower as usize);
-            let down = presses(upper) && make_heavier(setting.heavier(), bodies, counted, upper, lower);
+            let down = presses(upper) && make_heavier(*times, bodies, counted, upper, lower);
             // What counts as heavier passes that on upwards, too; what only is so carries what lies on it.
             let passes_on = counted[lower] < rests[lower].own && presses(lower);
-            let up = passes_on && make_heavier(setting.heavier(), bodies, counted, lower, upper);
+            let up = passes_on && make_heavier(*times, bodies, counted, lower, upper);
             down || up || any
         }) {}
         // Sleepers rest on what they weighed when they fell asleep.
@@ -160,7 +158,7 @@ impl Near {
     }
 
     /// Finds what is left of each ball's weight.
-    fn find_left(&self, rests: &[Rest], setting: &Setting, left: &mut Vec<DVec2>) {
+    fn find_left(&self, rests: &[Rest], setting: &Setting, times: f64, left: &mut Vec<DVec2>) {
         left.clear();
         left.resize(rests.len(), setting.kick);
         for (number, stripe) in self.stripes.iter().enumerate() {
@@ -170,7 +168,7 @@ impl Near {
                 let (first, second) = (pair.first as usize, pair.second as usize);
                 let push = constraint.normal * constraint.impulse + constraint.grip;
                 for (ball, by, push) in [(first, second, push), (second, first, -push)] {
-                    if rests[by].own <= setting.heavier() * rests[ball].counted {
+                    if rests[by].own <= times * rests[ball].counted {
                         left[ball] += push * rests[ball].counted;
                     }
                 }
@@ -226,6 +224,14 @@ impl Constraint {
     }
 }
 
+/// By how many times less dense than what presses on it one of these balls may be, and still weigh what it does.
+fn times_of(setting: &Setting, rests: &[Rest]) -> f64 {
+    let moved = rests.iter().map(|rest| rest.own).filter(|&own| own > 0.0);
+    let (least, most) =
+        moved.fold((f64::INFINITY, 0.0_f64), |(least, most), own| (least.min(own), most.max(own)));
+    if setting.amount == Amount::Few && most <= MOST_UNLIKE_OF_FEW * least { HEAVIER_OF_FEW } else { HEAVIER }
+}
+
 /// The square of the speed, px/s, of what falls so far, px.
 fn fall(setting: &Setting, far: f64) -> f64 {
     2.0 * setting.kick.length() / setting.substep * far
@@ -275,10 +281,16 @@ mod tests {
         Ball::new(DVec2::new(x, y), radius).unwrap().with_mass(mass).unwrap()
     }
 
-    /// These balls, and one at a wall: where something may be carried, balls count as heavier.
-    fn contact(balls: &[Ball]) -> Contact {
+    /// These balls, and one at a wall: where something may be carried, balls count as heavier. They are taken as so many.
+    fn contact_of(amount: Amount, balls: &[Ball]) -> Contact {
         let balls = [balls, &[ball(5.0, 5.0, (5.0, 1.0))]].concat();
-        Contact::new(&boxed_world(DVec2::splat(200.0)), &balls, TUNING)
+        let mut contact = Contact::new(&boxed_world(DVec2::splat(200.0)), &balls, TUNING);
+        contact.setting.amount = amount;
+        contact
+    }
+
+    fn contact(balls: &[Ball]) -> Contact {
+        contact_of(Amount::Many, balls)
     }
 
     /// What each ball counts with.
@@ -308,6 +320,18 @@ mod tests {
         assert_eq!(weights_in_column(&[(10.0, 1e4), (1.0, 1.0)]), [1e4, 50.0]);
         // However large it is itself.
         assert_eq!(weights_in_column(&[(1.0, 1000.0), (10.0, 1.0)]), [1000.0, 500.0]);
+    }
+
+    #[test]
+    fn among_few_it_counts_as_no_less_than_a_sixth_unless_any_has_ten_thousand_times_the_mass_of_another() {
+        for (mass, counted) in [(6.0, 1.0), (60.0, 10.0), (1e4, 1e4 / 6.0), (2e4, 1e4)] {
+            let balls = [ball(100.0, 55.0, (5.0, mass)), ball(100.0, 65.0, (5.0, 1.0))];
+            let mut contact = contact_of(Amount::Few, &balls);
+            contact.find();
+            let law = [mass, counted];
+            let near = |(is, law): (&f64, f64)| (is / law - 1.0).abs() < 1e-12;
+            assert!(weights(&contact).iter().zip(law).all(near), "{:?}, not {law:?}", weights(&contact));
+        }
     }
 
     #[test]
@@ -374,6 +398,7 @@ mod tests {
         let balls = [ball(100.0, 100.0, (5.0, 1000.0)), ball(100.0, 110.0, (5.0, 1.0))];
         for fall in [DVec2::ZERO, DVec2::new(0.0, 1884.9)] {
             let mut contact = Contact::new(&world, &balls, TUNING);
+            contact.setting.amount = Amount::Many;
             for body in &mut contact.bodies {
                 body.position += fall;
             }
