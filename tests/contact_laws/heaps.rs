@@ -60,13 +60,14 @@ fn balls_added_before_anything_moves_part_with_those_that_were_there() {
 
 #[test]
 fn balls_put_into_a_fixed_one_part_and_gain_next_to_no_energy() {
-    for seed in [1, 2, 3] {
-        let mut balls = heap(45, 60.0, 250.0, (0.7, seed));
+    // Measured: 0.013 of 24 heaps of few, which forty are, 0.007 of 18 of more.
+    for (count, seed, most) in [(40, 1, 0.015), (40, 2, 0.015), (45, 1, 0.01), (45, 2, 0.01), (45, 3, 0.01)] {
+        let mut balls = heap(count, 60.0, 250.0, (0.7, seed));
         balls.push(ball(250.0, 250.0, 20.0).fixed());
         let mut parting = boxed(balls);
         let back = energy_back(&mut parting);
-        assert!(back < 1e-2, "seed {seed}: {back:e} of it came back");
-        assert!(overlap(&parting) < 0.1, "seed {seed}: {}", overlap(&parting));
+        assert!(back < most, "{count}, seed {seed}: {back:e} of it came back");
+        assert!(overlap(&parting) < 0.1, "{count}, seed {seed}: {}", overlap(&parting));
     }
 }
 

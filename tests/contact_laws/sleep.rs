@@ -261,6 +261,7 @@ fn a_row_at_rest_takes_the_momentum_of_a_ball_that_comes_slowly_and_does_not_tur
                 (goes(&hit), format!("{count}, {apart} px apart, {speed} px/s, {others} others"));
             assert!(speeds.iter().all(|&v| v > -0.1), "{what}: {speeds:?}");
             let momentum: f64 = speeds.iter().sum();
+            // The slowest fall asleep, at less than 1 px/s each. It was 0, or less than nothing.
             assert!((0.6..1.05).contains(&(momentum / speed)), "{what}: {momentum} of {speed}, {speeds:?}");
         }
     }

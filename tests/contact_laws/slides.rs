@@ -74,7 +74,7 @@ fn a_ball_slides_down_a_slope_of_fixed_ones_as_gravity_along_it_says_however_gen
             slide.advance((2.0 * AWAY / along).sqrt()).unwrap();
             let gone = slide.balls()[0].position() - start;
             let what = format!("{degrees}°, {others} others: it is {gone} away");
-            // It bumps a little from ball to ball, and sinks into each by some thousandths of a pixel.
+            // It bumps a little from ball to ball, and sinks into each by some thousandths of a pixel. Measured: 0.89 and 0.79, before 0.2.
             let least = if others == 0 { 0.85 } else { 0.75 };
             assert!((least..1.01).contains(&(gone.dot(down) / AWAY)), "{what}");
             assert!(gone.perp_dot(down).abs() < 0.1, "{what}");
@@ -98,6 +98,7 @@ fn a_ball_falls_through_a_tube_of_fixed_ones_hardly_wider_than_it_as_if_it_were_
             let DVec2 { x, y } = fall.balls()[0].position();
             let free = 30.0 + 0.5 * EARTH.y * fall.time() * fall.time();
             assert!((x - 200.0).abs() < 0.2, "{others} others: {x} after {} s", fall.time());
+            // It bumps into what it leans on: 0.95, and with `exact` 0.98.
             assert!(y - 30.0 > 0.92 * (free - 30.0), "{others} others: {y} after {} s", fall.time());
         }
     }

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::super::grid::Disc;
 use super::constraints::Pair;
-use super::find::{FEW, in_cells, is_clear};
+use super::find::{FEW_IN_ALL, in_cells, is_clear};
 use super::layout::{Layer, Layout};
 use super::near::{Cells, Near};
 use super::stripes::{Stripe, of_layer};
@@ -63,7 +63,7 @@ impl Near {
     /// covered anew: whoever leaves what covers it stops there until pairs are searched again.
     pub(super) fn are_crowd(&self, bodies: &[Body]) -> bool {
         let (count, (near, overlapping)) = (bodies.len(), CROWD);
-        if count <= FEW || self.found <= near * count {
+        if count <= FEW_IN_ALL || self.found <= near * count {
             return false;
         }
         let overlap = |&(first, second): &(usize, usize)| bodies[first].overlaps(&bodies[second], 0.0);
@@ -74,7 +74,7 @@ impl Near {
     pub(super) fn keep_up(&mut self, bodies: &[Body], setting: &Setting, team: &Team) -> bool {
         let many = bodies.len() / MANY;
         let added = self.pair_count() - self.found;
-        if self.homes.len() != bodies.len() || self.moved > many || added > self.found / MORE + FEW {
+        if self.homes.len() != bodies.len() || self.moved > many || added > self.found / MORE + FEW_IN_ALL {
             return false;
         }
         let covers = |(home, body): (&Home, &Body)| home.covers(body.end(setting.substep));
@@ -96,7 +96,7 @@ impl Near {
         if left == 0 {
             return true;
         }
-        if bodies.len() <= FEW || left > many || self.crowd {
+        if bodies.len() <= FEW_IN_ALL || left > many || self.crowd {
             return false;
         }
         let cover = self.cover(bodies.len(), setting);
@@ -181,7 +181,7 @@ impl Near {
     /// What is around balls, and the stripes to which pairs are added.
     fn around<'a>(&'a mut self, bodies: &'a [Body], setting: &Setting) -> (Around<'a>, &'a mut [Stripe]) {
         let Self { layout, stripes, homes, cells, turned, .. } = self;
-        let cells = cells.as_ref().filter(|_| bodies.len() > FEW);
+        let cells = cells.as_ref().filter(|_| bodies.len() > FEW_IN_ALL);
         let up = -setting.kick;
         (Around { layout: *layout, bodies, homes, cells, turned: *turned, up }, stripes)
     }

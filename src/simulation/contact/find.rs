@@ -32,7 +32,7 @@ const HORIZON_OF_FLIGHT: f64 = 4.0;
 /// That of few balls, all pairs of which are soon compared.
 const FEW_HORIZON: f64 = 6.0;
 /// The most balls that are few: comparing all pairs is cheaper than keeping a grid.
-pub(super) const FEW: usize = 40;
+pub(super) const FEW_IN_ALL: usize = 40;
 /// Balls are put in the order of their places once in so many searches.
 const SEARCHES_PER_ORDER: u32 = 16;
 /// Cells are made for discs larger than those that there are by this factor ...
@@ -145,7 +145,7 @@ impl Near {
     pub(super) fn cover(&self, count: usize, setting: &Setting) -> impl Fn(&Body) -> Home + use<> {
         let usual = if setting.can_rest { HORIZON } else { HORIZON_OF_FLIGHT };
         let hasty = (usual / f64::from(1 + self.haste)).max(1.0);
-        let horizon = if count <= FEW { FEW_HORIZON } else { hasty };
+        let horizon = if count <= FEW_IN_ALL { FEW_HORIZON } else { hasty };
         let (of_all, of_own) = if setting.can_rest { COVERED } else { COVERED_IN_FLIGHT };
         let time = horizon * setting.substep;
         let least = of_all * self.rms_speed * time;
@@ -172,7 +172,7 @@ impl Near {
     #[inline]
     fn find_pairs(&mut self, bodies: &[Body], setting: &Setting, team: &Team) {
         let Self { layout, stripes, cells, discs, gathered, turned, .. } = self;
-        if bodies.len() <= FEW {
+        if bodies.len() <= FEW_IN_ALL {
             let pairs = &mut stripes[0].pairs;
             for (i, one) in discs.iter().enumerate() {
                 for (j, other) in discs.iter().enumerate().skip(i + 1) {

@@ -3,10 +3,9 @@
 use super::super::Tuning;
 use super::super::ball::Ball;
 use super::super::clock::Clock;
-use super::super::invariants::free;
 use super::super::world::World;
 use super::Contact;
-use super::amount::FEW;
+use super::amount::Amount;
 use super::substeps::Substeps;
 
 /// Events take over once so many substeps in a row were quiet: to begin with them takes as long as some of these.
@@ -55,7 +54,7 @@ impl Contact {
 
 /// Whether those of them that move are so few that substeps look at each.
 pub(in crate::simulation) fn is_few(balls: &[Ball]) -> bool {
-    free(balls).nth(FEW).is_none()
+    Amount::of(balls) == Amount::Few
 }
 
 /// How many substeps in a second these balls take at most.

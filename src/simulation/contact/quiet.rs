@@ -7,7 +7,7 @@
 use super::super::lesser::lesser;
 use super::constraints::{Beside, Marks};
 use super::fates::{Fate, is_fast};
-use super::find::FEW;
+use super::find::FEW_IN_ALL;
 use super::legs::Leg;
 use super::meeting::Meeting;
 use super::near::Near;
@@ -64,7 +64,7 @@ impl Contact {
     pub(super) fn is_quiet_among_fixed(&self) -> bool {
         let Self { setting, bodies, near, hands_back, parting, .. } = self;
         let steady = || near.as_ref().is_some_and(|near| near.holds_steadily(setting, bodies));
-        *hands_back && bodies.len() > FEW && !parting.goes_on() && steady()
+        *hands_back && bodies.len() > FEW_IN_ALL && !parting.goes_on() && steady()
     }
 
     /// What happens in this substep; [`None`] where it is not a quiet one. None is that began late, or in which balls part that were
@@ -73,7 +73,7 @@ impl Contact {
         let Self { setting, bodies, near: Some(near), parting, late, pairs, across, .. } = self else {
             return None;
         };
-        if bodies.len() > FEW
+        if bodies.len() > FEW_IN_ALL
             || *late > 0.0
             || parting.goes_on()
             || near.homes.len() != bodies.len()
@@ -198,7 +198,7 @@ impl Across {
             order.clear();
             order.extend(0..bodies.len() as u8);
         }
-        let mut spans = [(0.0, 0.0); FEW];
+        let mut spans = [(0.0, 0.0); FEW_IN_ALL];
         for (span, body) in spans.iter_mut().zip(bodies) {
             let (one, other) = (body.position.x, body.end(setting.substep).x);
             *span = (lesser(one, other) - body.radius, body.radius - lesser(-one, -other));

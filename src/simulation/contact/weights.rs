@@ -19,8 +19,8 @@ use super::sleep::Rest;
 use super::unlike::Unlike;
 use super::{Body, Contact, DVec2, Setting};
 
-/// No ball counts as less than half as dense as one above or beside it counts, or as heavy where that is less. With a quarter,
-/// light balls are pressed into each other in corners in one pile out of four, and stay there.
+/// Among many no ball counts as less than half as dense as one above or beside it counts, or as heavy where that is less. With a
+/// quarter, light balls are pressed into each other in corners in one pile out of four, and stay there.
 const HEAVIER: f64 = 2.0;
 /// The same among few balls, where sweeps find more, and light ones are pushed aside as they should be; unless any has more than so
 /// many times the mass of another.

@@ -152,15 +152,16 @@ fn falling(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Optio
     Some(exact.while_nothing_presses(rate, tuning.rest_speed))
 }
 
-/// Whether any balls touch, or nearly so, and hardly move against each other: one may press the other.
+/// Whether any balls touch, or nearly so, and hardly move against each other: one may press the other. There may be thousands of fixed
+/// ones: only those that can be moved are compared with all.
 fn any_lean(balls: &[Ball], rest_speed: f64) -> bool {
-    balls.iter().enumerate().any(|(place, one)| {
-        balls[..place].iter().any(|other| {
+    free(balls).any(|one| {
+        balls.iter().any(|other| {
             let (offset, velocity) = (one.position - other.position, one.velocity - other.velocity);
             let reach = one.radius + other.radius;
             let distance = offset.length();
             let leans = || velocity.dot(offset).abs() < LEAN * rest_speed * distance;
-            !(one.is_fixed() && other.is_fixed()) && distance < reach * (1.0 + BESIDE) && leans()
+            !std::ptr::eq(one, other) && distance < reach * (1.0 + BESIDE) && leans()
         })
     })
 }
