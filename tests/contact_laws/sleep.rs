@@ -266,3 +266,29 @@ fn a_row_at_rest_takes_the_momentum_of_a_ball_that_comes_slowly_and_does_not_tur
         }
     }
 }
+
+/// One that is thrown up the side of a fixed one, and turns round in the middle of the half second after which its rest is looked at, was
+/// where it had been then, and hung there for ever.
+#[test]
+fn no_ball_falls_asleep_on_the_side_of_a_fixed_one() {
+    for highest in [0.6_f64, 0.7, 0.8] {
+        for others in [0, 60] {
+            let (reach, highest) = (110.0, highest.to_radians());
+            // θ grows as a hyperbolic cosine from where it turns.
+            let rate = f64::sqrt(EARTH.y / reach);
+            let (angle, turning) = (highest * (0.25 * rate).cosh(), -highest * rate * (0.25 * rate).sinh());
+            let up = DVec2::from_angle(angle - 0.5 * std::f64::consts::PI);
+            let (at, along) = (DVec2::new(500.0, 500.0) + reach * up, reach * turning * up.perp());
+            let mut balls =
+                vec![moving(ball(at.x, at.y, 10.0), along.x, along.y), ball(500.0, 500.0, 100.0).fixed()];
+            balls.extend((0..others).map(|k| ball(30.0 + 25.0 * f64::from(k), 990.0, 10.0)));
+            let mut swing = simulation(world(2000.0, 1000.0, 0.5).with_gravity(EARTH).unwrap(), balls);
+            swing.advance(4.0).unwrap();
+            assert!(
+                swing.balls()[0].position().y > 700.0,
+                "{highest}, {others} others: {:?}",
+                swing.balls()[0]
+            );
+        }
+    }
+}

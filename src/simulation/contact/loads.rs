@@ -16,6 +16,8 @@ use super::{Body, Setting};
 
 /// Rounds over what carries a ball, where each may undo some of what the others did, at most.
 const ROUNDS: u32 = 32;
+/// A ball stands on the very top of another up to an angle of this sine.
+const TOP: f64 = 0.01;
 /// A round that changes less than this part of a load is the last.
 const ROUNDING: f64 = 1e-12;
 
@@ -64,6 +66,10 @@ impl Resting<'_> {
             }
             let grounded = self.grounded(at);
             if !still || !(self.held[at].any() || grounded.any()) {
+                loads.bears[at] = false;
+                continue;
+            }
+            if self.would_slide_off(at) {
                 loads.bears[at] = false;
                 continue;
             }
@@ -146,6 +152,19 @@ impl Resting<'_> {
         if by_walls != DVec2::ZERO {
             loads.by_walls.push((at, by_walls * inverse_mass));
         }
+    }
+
+    /// Whether a ball stands on a single fixed one, away from walls, and not on its very top: it seems at rest where it turns round, as in
+    /// a swing, and would slide off as soon as it moved. (On one that can move it would, too; but small ones on large ones in piles come to
+    /// rest later so.)
+    fn would_slide_off(&self, at: usize) -> bool {
+        let mut holders = self.stripes.holders(at);
+        let (only, more) = (holders.next(), holders.next());
+        let kick = self.setting.kick;
+        let slides = |Holder { other, normal, .. }: Holder| {
+            self.rests[other].own == 0.0 && normal.perp_dot(kick).abs() > TOP * kick.length()
+        };
+        more.is_none() && !self.stripes.is_beside(at) && only.is_some_and(slides)
     }
 
     /// How far down a ball is: greater for what is lower.
