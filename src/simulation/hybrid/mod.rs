@@ -155,13 +155,14 @@ fn falling(world: &World, balls: &[Ball], tuning: Tuning, so_far: Pace) -> Optio
 /// Whether any balls touch, or nearly so, and hardly move against each other: one may press the other. There may be thousands of fixed
 /// ones: only those that can be moved are compared with all.
 fn any_lean(balls: &[Ball], rest_speed: f64) -> bool {
-    free(balls).any(|one| {
-        balls.iter().any(|other| {
+    let numbered = || balls.iter().enumerate();
+    numbered().filter(|(_, ball)| !ball.is_fixed()).any(|(at, one)| {
+        numbered().any(|(place, other)| {
             let (offset, velocity) = (one.position - other.position, one.velocity - other.velocity);
             let reach = one.radius + other.radius;
             let distance = offset.length();
             let leans = || velocity.dot(offset).abs() < LEAN * rest_speed * distance;
-            !std::ptr::eq(one, other) && distance < reach * (1.0 + BESIDE) && leans()
+            place != at && distance < reach * (1.0 + BESIDE) && leans()
         })
     })
 }
