@@ -7,7 +7,7 @@
 use super::super::ball::Ball;
 use super::super::invariants::free;
 use super::Body;
-use super::amount::{Amount, FEW, SOME};
+use super::amount::{Amount, SOME};
 use super::constraints::Marks;
 use super::near::Near;
 use super::sleep::Rest;
@@ -78,8 +78,8 @@ impl Unlike {
         self != Self::Nothing
     }
 
-    /// In what any two of these balls are, wherever they are.
-    pub(super) fn among(bodies: &[Body], rests: &[Rest]) -> Self {
+    /// In what any two of these balls, of which so many can be moved, are, wherever they are.
+    pub(super) fn among(amount: Amount, bodies: &[Body], rests: &[Rest]) -> Self {
         let ratio = |of: &dyn Fn(&Body, &Rest) -> f64| {
             let moved = bodies.iter().zip(rests).filter(|(_, rest)| rest.own > 0.0);
             let (least, most) = moved
@@ -90,7 +90,7 @@ impl Unlike {
         let masses = ratio(&|_, rest| rest.own);
         if masses > IN_DENSITY && ratio(&|body, rest| rest.own * body.radius * body.radius) > IN_DENSITY {
             Self::Density
-        } else if masses > IN_SIZE.0 && rests.iter().filter(|rest| rest.own > 0.0).nth(FEW).is_some() {
+        } else if masses > IN_SIZE.0 && amount > Amount::Few {
             Self::Size
         } else {
             Self::Nothing
@@ -220,6 +220,7 @@ impl Marks {
 #[cfg(test)]
 mod tests {
     use super::super::super::ball::Ball;
+    use super::super::amount::FEW;
     use super::super::testing::{TUNING, boxed_world};
     use super::super::{Contact, DVec2, Tally, Tuning};
     use super::*;

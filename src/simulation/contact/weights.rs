@@ -39,8 +39,6 @@ const LEVEL: f64 = 2.0 / 3.0;
 pub(super) struct Weights {
     /// In what any two are unlike, wherever they are.
     possible: Unlike,
-    /// By how many times less dense than what presses on it a ball may be, and still weigh what it does.
-    times: f64,
     /// Whether any counts as heavier than it is.
     heavier: bool,
     /// From which step on they are weighed anew.
@@ -63,7 +61,8 @@ impl Contact {
         if searched {
             // Without gravity nothing presses for long.
             let presses = setting.kick != DVec2::ZERO;
-            near.weights.possible = if presses { Unlike::among(bodies, rests) } else { Unlike::Nothing };
+            near.weights.possible =
+                if presses { Unlike::among(setting.amount, bodies, rests) } else { Unlike::Nothing };
         }
         let period = PERIOD * self.substeps.shortest();
         if !searched && !landed && self.steps < near.weights.due {
@@ -90,6 +89,7 @@ impl Contact {
         if !near.weights.heavier || !bodies.iter().zip(&*rests).any(is_fast) {
             return;
         }
+        let times = times_of(setting, rests);
         let fast: Vec<bool> = bodies.iter().zip(&*rests).map(is_fast).collect();
         // The momentum and the mass of those that hold it.
         let mut holding = vec![(DVec2::ZERO, 0.0_f64); bodies.len()];
@@ -98,7 +98,7 @@ impl Contact {
                 let (ball, its) = (&bodies[one], &bodies[other]);
                 if will_press(setting, ball, its) {
                     // None counts for more than what made this one heavier would, if it is as large.
-                    let mass = rests[other].in_impacts().max(ball.inverse_mass / near.weights.times).recip();
+                    let mass = rests[other].in_impacts().max(ball.inverse_mass / times).recip();
                     holding[one] = (holding[one].0 + its.velocity * mass, holding[one].1 + mass);
                 }
             }
@@ -119,13 +119,13 @@ impl Near {
     /// Finds what balls weigh where they are held, and keeps what holds them. Whether any weighs something else than before.
     fn weigh(&mut self, bodies: &mut [Body], rests: &mut [Rest], setting: &Setting) -> bool {
         let mut weights = std::mem::take(&mut self.weights);
-        let Weights { times, before, counted, left, loads, heavier, .. } = &mut weights;
-        *times = times_of(setting, rests);
+        let Weights { before, counted, left, loads, heavier, .. } = &mut weights;
+        let times = times_of(setting, rests);
         before.clear();
         before.extend(bodies.iter().map(|body| body.inverse_mass));
         counted.clear();
         counted.extend(rests.iter().map(|rest| rest.own));
-        self.find_left(rests, setting, *times, left);
+        self.find_left(rests, setting, times, left);
         let least = LEFT * setting.kick.length();
         let presses = |at: usize| left[at].length() > least;
         loads.clear();
@@ -136,10 +136,10 @@ impl Near {
         // Mostly from above: what passes weight on has it already then.
         while loads.iter().rev().fold(false, |any, &(upper, lower)| {
             let (upper, lower) = (upper as usize, lower as usize);
-            let down = presses(upper) && make_heavier(*times, bodies, counted, upper, lower);
+            let down = presses(upper) && make_heavier(times, bodies, counted, upper, lower);
             // What counts as heavier passes that on upwards, too; what only is so carries what lies on it.
             let passes_on = counted[lower] < rests[lower].own && presses(lower);
-            let up = passes_on && make_heavier(*times, bodies, counted, lower, upper);
+            let up = passes_on && make_heavier(times, bodies, counted, lower, upper);
             down || up || any
         }) {}
         // Sleepers rest on what they weighed when they fell asleep.
@@ -226,10 +226,13 @@ impl Constraint {
 
 /// By how many times less dense than what presses on it one of these balls may be, and still weigh what it does.
 fn times_of(setting: &Setting, rests: &[Rest]) -> f64 {
+    if setting.amount > Amount::Few {
+        return HEAVIER;
+    }
     let moved = rests.iter().map(|rest| rest.own).filter(|&own| own > 0.0);
     let (least, most) =
         moved.fold((f64::INFINITY, 0.0_f64), |(least, most), own| (least.min(own), most.max(own)));
-    if setting.amount == Amount::Few && most <= MOST_UNLIKE_OF_FEW * least { HEAVIER_OF_FEW } else { HEAVIER }
+    if most <= MOST_UNLIKE_OF_FEW * least { HEAVIER_OF_FEW } else { HEAVIER }
 }
 
 /// The square of the speed, px/s, of what falls so far, px.
