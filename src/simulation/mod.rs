@@ -110,9 +110,9 @@ impl Simulation {
     ///
     /// The other solvers:
     ///
-    /// - [`Solver::Contact`] in its substeps leaves impacts slower than u out of the [tally](Self::tally) under gravity; nothing
-    ///   moves otherwise. Where it takes no substeps, it does as [`Solver::Exact`], but a ball rests on a wall that it comes to
-    ///   more slowly than u, however strong gravity is, and balls that chatter are left to substeps.
+    /// - [`Solver::Contact`] in its substeps leaves impacts slower than u out of the [tally](Self::tally) under gravity, and what
+    ///   slides on walls faster than u does not fall asleep. Where it takes no substeps, it does as [`Solver::Exact`], but a ball
+    ///   rests on a wall that it comes to more slowly than u, however strong gravity is, and balls that chatter are left to substeps.
     /// - [`Solver::Canvas`] has no rest speed.
     ///
     /// # Errors

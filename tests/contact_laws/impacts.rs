@@ -401,21 +401,25 @@ fn a_ball_that_meets_two_walls_at_once_hits_what_is_before_the_second() {
     assert!(corner.tally().impacts > 0, "{:?}", corner.balls());
 }
 
-/// What pushed them all at once was taken for what throws balls, and most of it was taken away.
+/// What pushed them all at once was taken for what throws balls, and most of it was taken away: among many, up to six tenths.
 #[test]
-fn a_row_of_few_balls_that_is_hit_fast_without_restitution_keeps_its_momentum() {
-    for (count, speed) in [(5, 5000.0), (10, 2000.0), (10, 20_000.0)] {
-        let mut balls = vec![moving(ball(200.0, 380.0, 20.0), speed, 0.0)];
-        balls.extend((0..count).map(|k| ball(245.0 + 40.1 * f64::from(k), 380.0, 20.0)));
-        let balls = balls.into_iter().map(|ball| ball.with_restitution(0.0).unwrap()).collect();
-        let mut row = simulation(world(6000.0, 400.0, 0.5).with_gravity(EARTH).unwrap(), balls);
-        row.advance(0.05).unwrap();
-        let (each, all) = (speed / f64::from(count + 1), momentum(row.balls()).x);
-        let what = format!("{count} hit at {speed} px/s");
-        assert!((all / speed - 1.0).abs() < 0.02, "{what}: {all} of it is left");
-        for ball in row.balls() {
-            let now = ball.velocity().x;
-            assert!((now / each - 1.0).abs() < 0.1, "{what}: {now}, not {each}");
+fn a_row_that_is_hit_fast_without_restitution_keeps_its_momentum() {
+    for (count, speed) in [(5, 2000.0), (5, 5000.0), (10, 2000.0), (10, 20_000.0)] {
+        for others in [0, 60] {
+            let mut balls = vec![moving(ball(200.0, 380.0, 20.0), speed, 0.0)];
+            balls.extend((0..count).map(|k| ball(245.0 + 40.1 * f64::from(k), 380.0, 20.0)));
+            balls.extend((0..others).map(|k| ball(2500.0 + 45.0 * f64::from(k), 380.0, 20.0)));
+            let balls = balls.into_iter().map(|ball| ball.with_restitution(0.0).unwrap()).collect();
+            let mut hit = simulation(world(6000.0, 400.0, 0.5).with_gravity(EARTH).unwrap(), balls);
+            hit.advance(0.05).unwrap();
+            let row = &hit.balls()[..=count as usize];
+            let (each, all) = (speed / f64::from(count + 1), momentum(row).x);
+            let what = format!("{count} hit at {speed} px/s, {others} others");
+            assert!((all / speed - 1.0).abs() < 0.02, "{what}: {all} of it is left");
+            for ball in row {
+                let now = ball.velocity().x;
+                assert!((now / each - 1.0).abs() < 0.15, "{what}: {now}, not {each}");
+            }
         }
     }
 }

@@ -10,8 +10,9 @@ use glam::DVec2;
 use super::constraints::Marks;
 use super::near::Near;
 use super::show::Held;
-use super::sleep::{Rest, tolerance};
+use super::sleep::Rest;
 use super::stripes::{Holder, Stripes};
+use super::wake::tolerance;
 use super::{Body, Setting};
 
 /// Rounds over what carries a ball, where each may undo some of what the others did, at most.

@@ -5,8 +5,9 @@ use glam::DVec2;
 use super::super::lesser::lesser;
 use super::events::Spot;
 use super::impacts::Stage;
-use super::sleep::{Rest, wake_by_hit};
+use super::sleep::Rest;
 use super::stripes::Stripes;
+use super::wake::wake_by_hit;
 use super::{Body, Setting};
 
 /// Balls whose squared distance is more than this part of that at which they touch are not close.
@@ -21,6 +22,8 @@ const ROUNDING: f64 = 1e-13;
 /// A ball wakes of what gives it more than so many kicks of gravity; one that is lighter than what hits it, of less in that
 /// ratio: else that would turn back as if off a wall. (With a quarter, piles of ten thousand come to rest half a second later.)
 const GIVEN: f64 = 1.0;
+/// The part of that at which one wakes that walls alone carry: what a row takes without waking, from ball to ball, is lost to it.
+const GIVEN_LOOSE: f64 = 0.02;
 
 /// Steps of Newton's method from the straight way to the parabola, which are g·h²/8 apart: 2e-3 px as a rule.
 const STEPS: u32 = 2;
@@ -166,12 +169,19 @@ fn on_parabola(
 }
 
 /// Whether a ball wakes that another hits at this speed, px/s, with this restitution: where the hit is firm, or gives it, or what
-/// hits it, more than a little; or anything that counts, if it lies `loose`, held by walls alone. What stays asleep is hit as if it
-/// were fixed: a row at rest on the floor would be a wall to what comes slowly.
-fn wakes(setting: &Setting, speed: f64, e: f64, [sleeper, by]: [&Rest; 2], loose: bool) -> bool {
+/// hits it, more than a little, which is less if it `is_loose`, carried by walls alone. What stays asleep is hit as if it were fixed: a
+/// row at rest on the floor would be a wall to what comes slowly.
+fn wakes(
+    setting: &Setting,
+    speed: f64,
+    e: f64,
+    [sleeper, by]: [&Rest; 2],
+    is_loose: impl FnOnce() -> bool,
+) -> bool {
     let given = (1.0 + e) * speed * sleeper.own / (sleeper.own + by.own);
     let most = GIVEN * setting.kick.length() * (by.own / sleeper.own).min(1.0);
-    speed > setting.firm || given > if loose { lesser(most, setting.rest_speed) } else { most }
+    let of_loose = lesser(GIVEN_LOOSE * most, setting.rest_speed);
+    speed > setting.firm || given > most || given > of_loose && is_loose()
 }
 
 /// Gives a pair its impulses, and wakes it where they are not small. Pairs must be linked.
@@ -185,8 +195,8 @@ pub(super) fn exchange(
     let e = stage.restitutions[i].min(stage.restitutions[j]);
     for (body, by) in [(i, j), (j, i)] {
         let [sleeper, by] = [&stage.rests[body], &stage.rests[by]];
-        let loose = || stripes.holders(body).next().is_none();
-        if sleeper.asleep && wakes(stage.setting, meeting.speed, e, [sleeper, by], loose()) {
+        let is_loose = || stripes.is_carried_by_walls_alone(body, sleeper, stage.setting.kick);
+        if sleeper.asleep && wakes(stage.setting, meeting.speed, e, [sleeper, by], is_loose) {
             wake_by_hit(body, stage.setting.kick, stage.bodies, stage.rests, stripes);
         }
     }

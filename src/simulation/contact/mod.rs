@@ -12,18 +12,19 @@
 //!    `fates`, `impacts`, `ending`, `meeting`, `together`, `walls`); what lies between fixed ones, or one and a wall, is kept out
 //!    of them, then and until all is held (`firm`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
-//!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`,
+//!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`, `abreast`,
 //!    `wedges`); what counts as heavier than it is, and is fast, is slowed down before;
 //! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
 //!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from gaining energy
 //!    by what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they
 //!    have parted (`energy`, `islands`, `parting`), and those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those of a row along a wall that has no room for them are moved off it, with what energy that takes (`rows`);
-//! 7. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`, `loads`).
+//! 7. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`,
+//!    `wake`, `loads`).
 //!
 //! Where nothing presses, events take their place (`handover`). What is done from outside is taken up between substeps, or
-//! within one (`edits`, `changes`). Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown as they are then (`show`,
-//! `legs`).
+//! within one (`edits`, `changes`). Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown
+//! as they are then (`show`, `legs`).
 //!
 //! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`); passes
 //! that follow each other go through them as caches like it (`sweep`).
@@ -31,6 +32,7 @@
 //! Velocities are those half-way between two positions (leapfrog), so that a ball at rest has none. Frames evaluate the
 //! substeps and never write back, so the result does not depend on how time is cut into frames.
 
+mod abreast;
 mod advance;
 mod amount;
 mod barred;
@@ -77,6 +79,7 @@ mod thrown;
 mod together;
 mod turns;
 mod unlike;
+mod wake;
 mod wall_support;
 mod walls;
 mod wedges;

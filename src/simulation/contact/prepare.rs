@@ -42,9 +42,10 @@ impl Stripe {
         let still = Marks::STILL | Marks::IDLE;
         let touching = Marks::LIVE | still | Marks::UNLIKE_IN_SIZE | Marks::UNLIKE_IN_DENSITY;
         if !self.carrying_for.stands(&self.marks, touching, self.constraints.len()) {
-            self.gather_carrying();
+            self.gather_touching();
             self.gather_wedging(setting, share.rests);
             self.deal_touching();
+            self.keep_carrying(setting, share.rests);
         }
     }
 
@@ -61,24 +62,17 @@ impl Stripe {
         close.truncate(count);
     }
 
-    /// Gathers the constraints of those that are held apart, and where those of each upper ball end.
-    #[expect(clippy::needless_bitwise_bool, reason = "a branch there cannot be foreseen by a processor")]
-    fn gather_carrying(&mut self) {
-        let Self { pairs, places_of_constraints, marks, carrying, uppers, .. } = self;
+    /// Gathers the constraints of those that are held apart, those of each upper ball side by side.
+    fn gather_touching(&mut self) {
+        let Self { places_of_constraints, marks, carrying, .. } = self;
         carrying.resize(marks.len(), 0);
-        uppers.resize(marks.len() + 1, 0);
-        let (places, ends) = (&mut carrying[..], &mut uppers[..]);
-        let (mut count, mut balls, mut last) = (0, 0, u32::MAX);
-        for ((pair, marks), &place) in pairs.iter().zip(marks).zip(&*places_of_constraints) {
-            let touches = marks.touch();
+        let places = &mut carrying[..];
+        let mut count = 0;
+        for (marks, &place) in marks.iter().zip(&*places_of_constraints) {
             places[count] = place;
-            count += usize::from(touches);
-            balls += usize::from(touches & (pair.first != last));
-            last = if touches { pair.first } else { last };
-            ends[balls] = count as u32;
+            count += usize::from(marks.touch());
         }
         carrying.truncate(count);
-        uppers.truncate(balls + 1);
     }
 
     /// Deals them out, kind by kind of how unlike their balls are.

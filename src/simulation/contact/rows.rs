@@ -10,7 +10,8 @@ use glam::DVec2;
 use super::super::lesser::lesser;
 use super::super::within;
 use super::near::Near;
-use super::sleep::{DEEP, Rest, wake_if_asleep};
+use super::sleep::{DEEP, Rest};
+use super::wake::wake_if_asleep;
 use super::{Body, Contact, Setting};
 
 /// Whether any row is too long is looked at after so many of the shortest substeps, eight beats; and then in each until none is, ...

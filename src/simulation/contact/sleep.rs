@@ -1,17 +1,12 @@
 //! Balls that rest may sleep: they stand still, as if they were fixed, and cost next to nothing.
 //!
-//! A ball falls asleep where it is held, and has hardly moved for a while. It wakes where something hits it firmly, or
-//! where what holds it and what lies on it no longer balance its weight: then it moves, and those that lean on it wake
-//! in turn, as far as the change is felt. So there are no islands to keep, and a ball that lands on a large pile wakes
-//! what it shakes. One that finds no rest among sleepers wakes them, so that they make room; but one that lies still, a little too
-//! deep in others that do not give way, sleeps in the end, too: what it wakes falls a little deeper into each other, time after time.
+//! A ball falls asleep where it is held, and has hardly moved for a while, until something wakes it (`wake`). One that lies still, a
+//! little too deep in others that do not give way, sleeps in the end, too: what it wakes falls a little deeper into each other, time
+//! after time.
 
 use glam::DVec2;
 
-use super::constraints::Given;
 use super::loads::Resting;
-use super::stripes::Stripes;
-use super::thrown::THROWN;
 use super::unlike::Unlike;
 use super::{Ball, Body, Contact};
 
@@ -35,18 +30,6 @@ const JAMMED: f64 = 0.1;
 const JAMMED_AFTER: (u8, u8) = (11, 4);
 /// What swings may be where it was when the window ends, but not after so many eighths of it, too.
 const EIGHTHS: u64 = 3;
-/// A ball that has had no rest when this was looked at so often wakes those that hold it.
-const RESTLESS: u32 = 8;
-/// A ball at rest wakes where what acts on it differs from balance by more than this part of its weight: one of two that carried
-/// it may have gone away little by little ...
-const WEIGHT: f64 = 0.15;
-/// ... and this part of all that presses on it more than its weight does.
-const PRESS: f64 = 0.35;
-/// What acts on a ball that wakes goes on acting unless it would throw it, or presses on it with more than so many kicks of
-/// gravity: what little of more turns aside would shoot it away.
-const SQUEEZED: f64 = 1e4;
-/// A ball wakes where it loses a support, or a load, of more than this part of its weight.
-const LOST: f64 = 0.1;
 
 /// Whether a ball sleeps, and what it takes to wake it.
 #[derive(Debug, Clone, Copy)]
@@ -88,6 +71,11 @@ impl Rest {
             jammed: 0,
             stuck: 0,
         }
+    }
+
+    /// Notes that a ball wakes, at this place.
+    pub(super) fn begin_anew(&mut self, place: DVec2) {
+        (self.asleep, self.anchor, self.last) = (false, place, None);
     }
 
     /// The inverse mass with which it takes impacts: 0 where it stands still whatever hits it.
@@ -144,12 +132,15 @@ impl Contact {
         let team = self.team.clone();
         self.find_held(&team);
         let depths = self.depths();
-        let drifts = self.drifts(window);
+        let most_drifts = self.drifts(window);
         let (usual, of_one_size) = JAMMED_AFTER;
         let jammed_after = if self.substeps.of_one_size { of_one_size } else { usual };
         let Self { setting, substeps, bodies, rests, near: Some(near), held, course, .. } = self else {
             return;
         };
+        near.link_pairs(bodies.len());
+        let stripes = near.all();
+        let slowest = setting.rest_speed * window as f64 / f64::from(substeps.rate);
         let still = |at: usize, body: &Body, rest: &Rest| {
             // One that was hit just now has not gone far either. But one that others squeeze may be hit all the time, and
             // have a velocity that takes it nowhere.
@@ -160,8 +151,11 @@ impl Contact {
             let (most, step) = (if hops { HOP } else { 1.0 } * kick, kick * seconds);
             let slow = body.velocity.length_squared() < most * most
                 || (body.position.distance_squared(last) < step * step && !hops);
-            let drift = drifts[at];
-            slow && !rest.swung && body.position.distance_squared(rest.anchor) < drift * drift
+            let gone = body.position.distance_squared(rest.anchor);
+            let drifts = |most: f64| gone >= most * most;
+            // What slides on a wall is slow where gravity is strong, and nothing makes it tremble.
+            let slides = || drifts(slowest) && stripes.is_carried_by_walls_alone(at, rest, setting.kick);
+            slow && !(rest.swung || drifts(most_drifts[at]) || slides())
         };
         let looked_at = bodies.iter().zip(&mut *rests).zip(&depths).enumerate();
         let still: Vec<bool> = looked_at
@@ -171,7 +165,6 @@ impl Contact {
                 is_still && (depth <= DEEP || (depth <= JAMMED && rest.jammed >= jammed_after))
             })
             .collect();
-        near.link_pairs(bodies.len());
         let loads = Resting { setting, bodies, rests, held, stripes: near.all() }.loads(&still);
         for (at, (body, rest)) in bodies.iter_mut().zip(&mut *rests).enumerate() {
             (rest.anchor, rest.swung) = (body.position, false);
@@ -200,24 +193,6 @@ impl Contact {
         })
     }
 
-    /// Frees a ball that is moved from outside: it wakes, and what held it holds it no longer.
-    pub(super) fn free_by_hand(&mut self, at: usize) {
-        self.all_asleep = false;
-        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
-        if at >= near.homes.len() {
-            // It was added after pairs were searched: nothing holds it yet.
-            return;
-        }
-        near.link_pairs(bodies.len());
-        let stripes = &mut near.all();
-        if rests[at].asleep {
-            let given = stripes.given(at, rests[at].counted);
-            wake(at, &given, setting.kick, bodies, rests, stripes);
-        }
-        stripes.let_go_of_one(at, bodies, setting.kick);
-        self.wake_unbalanced();
-    }
-
     /// How deep each body lies in others at most, in the smaller radius.
     fn depths(&self) -> Vec<f64> {
         let mut depths = vec![0.0_f64; self.bodies.len()];
@@ -228,122 +203,6 @@ impl Contact {
         }
         depths
     }
-
-    /// Wakes those that hold a ball which has not come to rest for long: between balls that do not give way
-    /// one that is squeezed may overlap them, or rattle, for ever.
-    fn wake_around_restless(&mut self) {
-        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
-        let stripes = &mut near.all();
-        for at in 0..rests.len() {
-            if rests[at].restless < RESTLESS {
-                continue;
-            }
-            rests[at].restless = 0;
-            for other in stripes.holders(at).map(|holder| holder.other).collect::<Vec<_>>() {
-                wake_if_asleep(other, setting.kick, bodies, rests, stripes);
-            }
-        }
-        self.wake_unbalanced();
-    }
-
-    /// Wakes those at the border of sleep that are not balanced any more, and those that this disturbs.
-    pub(super) fn wake_unbalanced(&mut self) {
-        let Self { setting, bodies, rests, near: Some(near), .. } = self else { return };
-        if near.stripes.iter().all(|stripe| stripe.disturbed.is_empty()) {
-            return;
-        }
-        near.link_pairs(bodies.len());
-        let kick = setting.kick;
-        let layout = near.layout;
-        let stripes = &mut near.all();
-        while stripes.list.iter().any(|stripe| !stripe.disturbed.is_empty()) {
-            for number in 0..layout.len() {
-                while let Some((body, lost)) = stripes.list[number].disturbed.pop() {
-                    let at = layout.start(number) + body as usize;
-                    if !rests[at].asleep {
-                        continue;
-                    }
-                    let given = stripes.given(at, rests[at].counted);
-                    // What lost a support moves, however hard the others press.
-                    let lost_much = lost * rests[at].counted > LOST * kick.length();
-                    let pressed = if lost_much { 0.0 } else { given.pressed };
-                    if (given.velocity + kick).length() > tolerance(kick, pressed) {
-                        wake_after_substep(at, &given, kick, bodies, rests, stripes);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// By how much what acts on a ball at rest may differ from balance, as a change of its velocity in a substep, px/s, where so much
-/// presses on it. What is to fall asleep is in balance up to that, too: else it would wake of what it fell asleep in.
-pub(super) fn tolerance(kick: DVec2, pressed: f64) -> f64 {
-    let weight = kick.length();
-    WEIGHT * weight + PRESS * (pressed - weight).max(0.0)
-}
-
-/// Wakes a ball, once a substep is over, if it sleeps. Its pairs must be linked.
-pub(super) fn wake_if_asleep(
-    at: usize,
-    kick: DVec2,
-    bodies: &mut [Body],
-    rests: &mut [Rest],
-    stripes: &mut Stripes<'_>,
-) {
-    if rests[at].asleep {
-        let given = stripes.given(at, rests[at].counted);
-        wake_after_substep(at, &given, kick, bodies, rests, stripes);
-    }
-}
-
-/// Wakes a ball, at rest, once a substep is over, as if it had been held like this in it.
-fn wake_after_substep(
-    at: usize,
-    given: &Given,
-    kick: DVec2,
-    bodies: &mut [Body],
-    rests: &mut [Rest],
-    stripes: &mut Stripes<'_>,
-) {
-    bodies[at].free = -wake(at, given, kick, bodies, rests, stripes);
-}
-
-/// Wakes a ball, at rest, and tells what of that which it is `given` goes on: nothing where it would be shot away. Its
-/// pairs must be linked.
-fn wake(
-    at: usize,
-    given: &Given,
-    kick: DVec2,
-    bodies: &mut [Body],
-    rests: &mut [Rest],
-    stripes: &mut Stripes<'_>,
-) -> DVec2 {
-    let rest = &mut rests[at];
-    (rest.asleep, rest.anchor, rest.last) = (false, bodies[at].position, None);
-    bodies[at].inverse_mass = rest.counted;
-    stripes.weigh_pairs_of(at, bodies);
-    let (moves, pressed) = ((given.velocity + kick).length(), given.pressed);
-    if moves < THROWN * kick.length() && pressed < SQUEEZED * kick.length() {
-        given.velocity
-    } else {
-        stripes.let_go_of_one(at, bodies, kick);
-        DVec2::ZERO
-    }
-}
-
-/// Wakes a ball that something hits firmly, in the midst of a substep.
-pub(super) fn wake_by_hit(
-    at: usize,
-    kick: DVec2,
-    bodies: &mut [Body],
-    rests: &mut [Rest],
-    stripes: &mut Stripes<'_>,
-) {
-    let given = stripes.given(at, rests[at].counted);
-    let held = wake(at, &given, kick, bodies, rests, stripes);
-    bodies[at].free = kick;
-    bodies[at].velocity = kick + held;
 }
 
 #[cfg(test)]
@@ -405,42 +264,6 @@ mod tests {
             contact.steps = 360;
             contact.put_to_sleep(360);
             assert_eq!(contact.rests[0].asleep, asleep, "{before} {kicks}");
-        }
-    }
-
-    #[test]
-    fn what_wakes_and_is_let_go_of_throws_none_of_those_that_were_held_against_it() {
-        // A ball that sleeps between two awake ones, and what presses both on it and on the walls, in kicks of gravity.
-        for squeezed in [2.0, 200.0, 2e4] {
-            let balls = [10.0, 30.0, 50.0].map(|x| Ball::new(DVec2::new(x, 90.0), 10.0).unwrap());
-            let mut contact = Contact::new(&boxed_world(DVec2::new(60.0, 100.0)), &balls, TUNING);
-            go(&mut contact, 12);
-            let Contact { setting, bodies, rests, near: Some(near), ids, .. } = &mut contact else {
-                panic!()
-            };
-            let kick = setting.kick;
-            near.link_pairs(3);
-            let sleeper = ids.iter().position(|&id| id == 1).unwrap();
-            let push = squeezed * kick.length();
-            for constraint in &mut near.stripes[0].constraints {
-                let (first, second) = (constraint.pair.first as usize, constraint.pair.second as usize);
-                constraint.normal = (bodies[first].position - bodies[second].position).normalize();
-                (constraint.impulse, constraint.grip) = (push / bodies[first].inverse_mass, DVec2::ZERO);
-            }
-            // Between the walls each is held in balance: by both sides, and from below.
-            for (body, rest) in bodies.iter_mut().zip(&mut *rests) {
-                (body.velocity, body.free) = (DVec2::ZERO, kick);
-                rest.asleep = false;
-            }
-            rests[sleeper].asleep = true;
-            (bodies[sleeper].inverse_mass, bodies[sleeper].free) = (0.0, DVec2::ZERO);
-            near.weigh_all(bodies);
-            wake_if_asleep(sleeper, kick, bodies, rests, &mut near.all());
-            contact.wake_unbalanced();
-            for body in &contact.bodies {
-                let thrown = (body.velocity - body.free).length();
-                assert!(thrown <= THROWN * kick.length(), "{squeezed}: {thrown}");
-            }
         }
     }
 

@@ -54,9 +54,14 @@ pub(super) struct Stripe {
     pub(super) touching: Vec<u32>,
     /// Where among these the ones of like balls end, of those unlike in size, and of those in density.
     pub(super) ends: [usize; Unlike::KINDS],
-    /// The same, those of each upper ball side by side, and where these end, after a 0.
+    /// Those of them in which one ball may carry the other (`abreast`), the ones of each upper ball side by side, and where these end,
+    /// after a 0.
     pub(super) carrying: Vec<u32>,
     pub(super) uppers: Vec<u32>,
+    /// For each body, whether it lies on others or under them, or leans on something that does not give way, by itself or in a row.
+    pub(super) backed: Vec<bool>,
+    /// The pairs that stand abreast, of which that is looked for.
+    pub(super) abreast: Vec<Pair>,
     /// Those of which one cannot be moved.
     pub(super) wedging: Vec<Wedging>,
     pub(super) carrying_for: Followed,

@@ -16,7 +16,7 @@ use super::constraints::Constraint;
 use super::fates::{Fate, Shift};
 use super::layout::Layer;
 use super::prepare::let_go;
-use super::stripes::Stripes;
+use super::stripes::{Holder, Stripes};
 use super::support::{give, two};
 use super::sweep::Pass;
 use super::unlike::Unlike;
@@ -83,9 +83,15 @@ impl Contact {
         }
         let most = |at: usize| setting.most_held(&course.fates[at], || rests[at].unlike);
         near.link_pairs(bodies.len());
-        // Many in a crash, or unlike ones, throw each other as fast as any is.
+        // Many in a crash, or unlike ones, throw each other as fast as any is; like ones that walls alone carry are pushed along these.
         let pushes = setting.amount == Amount::Few && !setting.unlike.differs();
-        let fastest = if pushes { near.all().fastest_around(&thrown, bodies) } else { BTreeMap::new() };
+        let stripes = near.all();
+        let is_pushed = |at: usize| {
+            let rest = &rests[at];
+            pushes || !rest.unlike.differs() && stripes.is_carried_by_walls_alone(at, rest, setting.kick)
+        };
+        let throws = |holder: &Holder| holder.impulse * rests[holder.other].counted > most(holder.other);
+        let fastest = stripes.fastest_around(&thrown, bodies, is_pushed, throws);
         // What falls with others keeps what it gave them, and with these its energy (`energy`).
         let is_carried = setting.grounded;
         near.all().let_go_of_all(thrown, bodies, let_go, most, |at, body, most| {
@@ -135,20 +141,28 @@ impl Stripes<'_> {
         }
     }
 
-    /// For each of these bodies that are thrown the fastest that any is, px/s, of itself, of those that hold each other through
-    /// thrown ones: as fast as that it may have been pushed, as in a row that is hit. Pairs must be linked.
-    fn fastest_around(&self, thrown: &[usize], bodies: &[Body]) -> BTreeMap<usize, f64> {
-        let is_thrown: BTreeSet<usize> = thrown.iter().copied().collect();
+    /// For each of these bodies that are thrown, and `is_pushed`, the fastest that any is, px/s, of itself, of those that hold each
+    /// other through such ones: as fast as that it may have been pushed, as in a row that is hit. The same of those that what holds
+    /// them `throws` as soon as these are let go of. Pairs must be linked.
+    fn fastest_around(
+        &self,
+        thrown: &[usize],
+        bodies: &[Body],
+        is_pushed: impl Fn(usize) -> bool,
+        throws: impl Fn(&Holder) -> bool,
+    ) -> BTreeMap<usize, f64> {
+        let pushed: BTreeSet<usize> = thrown.iter().copied().filter(|&at| is_pushed(at)).collect();
         let mut fastest = BTreeMap::new();
-        for &first in thrown {
+        for &first in &pushed {
             if fastest.contains_key(&first) {
                 continue;
             }
             let (mut group, mut most, mut next) = (BTreeSet::from([first]), 0.0_f64, vec![first]);
             while let Some(at) = next.pop() {
                 most = most.max(bodies[at].free.length());
-                for other in self.holders(at).map(|holder| holder.other) {
-                    if !is_thrown.contains(&other) {
+                for holder in self.holders(at) {
+                    let other = holder.other;
+                    if !(pushed.contains(&other) || throws(&holder) && is_pushed(other)) {
                         most = most.max(bodies[other].free.length());
                     } else if group.insert(other) {
                         next.push(other);
