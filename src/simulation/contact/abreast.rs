@@ -5,8 +5,8 @@
 //! those are left to what holds them apart, unless the row leans on a heap, or on a wall at its end, and may be pressed for long. Nor
 //! where any is unlike those around it: heavy balls would come to lie in light ones, and what that stores comes back.
 //!
-//! That is looked for among the pairs of one stripe, when its list is gathered anew: a row that begins to lean on something meanwhile is
-//! held as it was.
+//! That is looked for among the pairs of one stripe, when what touches or leans there changes: one that only turns meanwhile is held as
+//! it was.
 
 use glam::DVec2;
 
@@ -49,10 +49,12 @@ impl Stripe {
     /// Finds the bodies that lie on others, or under them, or lean on a wall, or on a fixed one or an unlike one beside them, and all that
     /// stand abreast with such ones: of two abreast both do, or neither does.
     fn find_backed(&mut self, setting: &Setting, rests: &[Rest]) {
-        let Self { constraints, carrying, backed, abreast, beside, .. } = self;
-        let steep = LEVEL * setting.kick.length();
+        let mut backed = std::mem::take(&mut self.backed);
         backed.clear();
         backed.resize(rests.len(), false);
+        self.leaning(setting).for_each(|body| backed[body as usize] = true);
+        let Self { constraints, carrying, abreast, .. } = self;
+        let steep = LEVEL * setting.kick.length();
         abreast.clear();
         for &Constraint { pair, normal, .. } in carrying.iter().map(|&at| &constraints[at as usize]) {
             let unlike = || [pair.first, pair.second].iter().any(|&at| rests[at as usize].unlike.differs());
@@ -62,10 +64,6 @@ impl Stripe {
                 backed[pair.first as usize] = true;
                 backed[pair.second as usize] = true;
             }
-        }
-        let leans = |push: DVec2| push.perp_dot(setting.kick).abs() > steep * push.length();
-        for leaning in beside.iter().filter(|beside| leans(beside.push)) {
-            backed[leaning.body as usize] = true;
         }
         let mut spread = |&Pair { first, second }: &Pair| {
             let [one, other] = [first, second].map(|body| backed[body as usize]);
@@ -81,5 +79,47 @@ impl Stripe {
                 break;
             }
         }
+        self.backed = backed;
+    }
+
+    /// The bodies that lean on a wall beside them.
+    pub(super) fn leaning(&self, setting: &Setting) -> impl Iterator<Item = u32> {
+        let Setting { kick, .. } = *setting;
+        let leans = move |push: DVec2| push.perp_dot(kick).abs() > LEVEL * push.length() * kick.length();
+        self.beside.iter().filter(move |beside| leans(beside.push)).map(|beside| beside.body)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::ball::Ball;
+    use super::super::testing::{TUNING, boxed_world};
+    use super::super::{Contact, Tally};
+    use super::*;
+
+    /// How many pairs touch of balls that stand touching on the floor, of radius 10, and of one that lies `on` two of them; and how many
+    /// of them carry.
+    fn pairs(row: &[f64], on: Option<f64>) -> (usize, usize) {
+        let row = row.iter().map(|&x| DVec2::new(x, 90.0));
+        let on = on.map(|x| DVec2::new(x, 90.0 - 300.0_f64.sqrt()));
+        let balls: Vec<_> = row.chain(on).map(|place| Ball::new(place, 10.0).unwrap()).collect();
+        let mut contact = Contact::new(&boxed_world(DVec2::new(200.0, 100.0)), &balls, TUNING);
+        // What pushes towards the left wall, if any stands there, and what sees that it does.
+        for _ in 0..4 {
+            for body in &mut contact.bodies {
+                body.velocity.x -= 0.5;
+            }
+            contact.step(&mut Tally::default());
+        }
+        let stripe = &contact.near.as_ref().unwrap().stripes[0];
+        (stripe.touching.len(), stripe.carrying.len())
+    }
+
+    #[test]
+    fn of_a_row_on_the_floor_none_carries_another_unless_it_leans_on_something() {
+        assert_eq!(pairs(&[60.0, 80.0, 100.0], None), (2, 0), "free");
+        assert_eq!(pairs(&[10.0, 30.0, 50.0], None), (2, 2), "at a wall");
+        assert_eq!(pairs(&[60.0, 80.0, 100.0], Some(70.0)), (4, 4), "under another");
+        assert_eq!(pairs(&[60.0, 80.0, 120.0, 140.0], Some(70.0)), (4, 3), "beside others");
     }
 }

@@ -31,7 +31,7 @@ const STEADY: f64 = 0.03;
 impl Stripe {
     /// Looks at all pairs anew, and holds those apart that are close.
     pub(super) fn prepare_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
-        if !self.close_for.stands(&self.marks, Marks::CLOSE | Marks::LIVE | Marks::IDLE, 0) {
+        if !self.close_for.stands(&self.marks, Marks::CLOSE | Marks::LIVE | Marks::IDLE, (0, 0)) {
             self.gather_close();
             self.dealt.clear();
             deal(&self.close, &mut self.dealt);
@@ -41,7 +41,8 @@ impl Stripe {
         // Whether, and as what, pairs are held apart.
         let still = Marks::STILL | Marks::IDLE;
         let touching = Marks::LIVE | still | Marks::UNLIKE_IN_SIZE | Marks::UNLIKE_IN_DENSITY;
-        if !self.carrying_for.stands(&self.marks, touching, self.constraints.len()) {
+        let counts = (self.constraints.len(), self.leaning(setting).count());
+        if !self.carrying_for.stands(&self.marks, touching, counts) {
             self.gather_touching();
             self.gather_wedging(setting, share.rests);
             self.deal_touching();
@@ -199,25 +200,26 @@ fn deal(pairs: &[u32], dealt: &mut Vec<u32>) {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Followed {
     marks: Vec<Marks>,
-    constraints: usize,
+    /// How many constraints there were, and how many balls that leaned on a wall.
+    counts: (usize, usize),
 }
 
 impl Followed {
     /// Notes that the list is empty, as are all pairs.
     pub(super) fn forget(&mut self) {
         self.marks.clear();
-        self.constraints = 0;
+        self.counts = (0, 0);
     }
 
-    /// Whether the list stands still: pairs have the same of `these` marks, and there are so many constraints, as before. Where
-    /// not, notes how it is now.
-    fn stands(&mut self, marks: &[Marks], these: Marks, constraints: usize) -> bool {
+    /// Whether the list stands still: pairs have the same of `these` marks, and the counts are the same, as before. Where not, notes
+    /// how it is now.
+    fn stands(&mut self, marks: &[Marks], these: Marks, counts: (usize, usize)) -> bool {
         let changed = self.marks.iter().zip(marks).fold(Marks::NONE, |all, (&old, &new)| all | (old ^ new));
-        let same = self.constraints == constraints && self.marks.len() == marks.len() && !changed.has(these);
+        let same = self.counts == counts && self.marks.len() == marks.len() && !changed.has(these);
         if !same {
             self.marks.clear();
             self.marks.extend_from_slice(marks);
-            self.constraints = constraints;
+            self.counts = counts;
         }
         same
     }
@@ -416,15 +418,15 @@ mod tests {
         let (followed, mut marks) = (&mut Followed::default(), vec![Marks::CLOSE; 40]);
         let mut stands =
             |marks: &[Marks], constraints| followed.stands(marks, Marks::CLOSE | Marks::LIVE, constraints);
-        assert!(!stands(&marks, 0) && stands(&marks, 0));
+        assert!(!stands(&marks, (0, 0)) && stands(&marks, (0, 0)));
         marks[17].set(Marks::HELD, true);
-        assert!(stands(&marks, 0));
+        assert!(stands(&marks, (0, 0)));
         marks[39].set(Marks::LIVE, true);
-        assert!(!stands(&marks, 0) && stands(&marks, 0));
-        assert!(!stands(&marks, 1) && stands(&marks, 1));
+        assert!(!stands(&marks, (0, 0)) && stands(&marks, (0, 0)));
+        assert!(!stands(&marks, (1, 0)) && stands(&marks, (1, 0)));
         marks.push(Marks::NONE);
-        assert!(!stands(&marks, 1) && stands(&marks, 1));
+        assert!(!stands(&marks, (1, 0)) && stands(&marks, (1, 0)));
         followed.forget();
-        assert!(followed.stands(&[], Marks::LIVE, 0));
+        assert!(followed.stands(&[], Marks::LIVE, (0, 0)));
     }
 }
