@@ -11,7 +11,7 @@
 use glam::DVec2;
 
 use super::Setting;
-use super::constraints::{Constraint, Pair};
+use super::constraints::{Beside, Constraint, Pair};
 use super::prepare::on_fixed;
 use super::sleep::Rest;
 use super::stripes::Stripe;
@@ -49,13 +49,12 @@ impl Stripe {
     /// Finds the bodies that lie on others, or under them, or lean on a wall, or on a fixed one or an unlike one beside them, and all that
     /// stand abreast with such ones: of two abreast both do, or neither does.
     fn find_backed(&mut self, setting: &Setting, rests: &[Rest]) {
-        let mut backed = std::mem::take(&mut self.backed);
+        let Self { constraints, carrying, backed, abreast, beside, .. } = self;
+        let steep = LEVEL * setting.kick.length();
         backed.clear();
         backed.resize(rests.len(), false);
-        self.leaning(setting).for_each(|body| backed[body as usize] = true);
-        let Self { constraints, carrying, abreast, .. } = self;
-        let steep = LEVEL * setting.kick.length();
         abreast.clear();
+        leaning(beside, setting.kick).for_each(|body| backed[body as usize] = true);
         for &Constraint { pair, normal, .. } in carrying.iter().map(|&at| &constraints[at as usize]) {
             let unlike = || [pair.first, pair.second].iter().any(|&at| rests[at as usize].unlike.differs());
             if normal.dot(setting.kick).abs() < steep && !on_fixed(rests, pair) && !unlike() {
@@ -79,15 +78,14 @@ impl Stripe {
                 break;
             }
         }
-        self.backed = backed;
     }
+}
 
-    /// The bodies that lean on a wall beside them.
-    pub(super) fn leaning(&self, setting: &Setting) -> impl Iterator<Item = u32> {
-        let Setting { kick, .. } = *setting;
-        let leans = move |push: DVec2| push.perp_dot(kick).abs() > LEVEL * push.length() * kick.length();
-        self.beside.iter().filter(move |beside| leans(beside.push)).map(|beside| beside.body)
-    }
+/// The bodies, of those that may touch a wall, that lean on one beside them.
+pub(super) fn leaning(beside: &[Beside], kick: DVec2) -> impl Iterator<Item = u32> {
+    let steep = LEVEL * kick.length();
+    let leans = move |push: DVec2| push.perp_dot(kick).abs() > steep * push.length();
+    beside.iter().filter(move |beside| leans(beside.push)).map(|beside| beside.body)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use glam::DVec2;
 
 use super::super::impulse::COINCIDENT_NORMAL;
 use super::super::lesser::lesser;
+use super::abreast::leaning;
 use super::amount::Amount;
 use super::constraints::{Constraint, Marks, Pair};
 use super::fates::{Fate, Shift};
@@ -41,7 +42,7 @@ impl Stripe {
         // Whether, and as what, pairs are held apart.
         let still = Marks::STILL | Marks::IDLE;
         let touching = Marks::LIVE | still | Marks::UNLIKE_IN_SIZE | Marks::UNLIKE_IN_DENSITY;
-        let counts = (self.constraints.len(), self.leaning(setting).count());
+        let counts = (self.constraints.len(), leaning(&self.beside, setting.kick).count());
         if !self.carrying_for.stands(&self.marks, touching, counts) {
             self.gather_touching();
             self.gather_wedging(setting, share.rests);

@@ -305,12 +305,19 @@ impl Stripes<'_> {
 
     /// Weighs all pairs of a ball anew. They must be linked.
     pub(super) fn weigh_pairs_of(&mut self, body: usize, bodies: &[Body]) {
+        self.each_pair_of(body, |stripe, at, start| stripe.weigh(at, &bodies[start..]));
+    }
+
+    /// Works on each pair of a body: with the stripe that it belongs to, its place there, and where that stripe's bodies start. Pairs must
+    /// be linked.
+    #[inline]
+    pub(super) fn each_pair_of(&mut self, body: usize, mut work: impl FnMut(&mut Stripe, usize, usize)) {
         for number in self.of_body(body) {
             let start = self.layout.start(number);
             let stripe = &mut self.list[number];
             let mut cursor = stripe.links.begin((body - start) as u32);
             while let Some(at) = stripe.links.next(&mut cursor) {
-                stripe.weigh(at, &bodies[start..]);
+                work(stripe, at, start);
             }
         }
     }

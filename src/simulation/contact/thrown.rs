@@ -190,24 +190,21 @@ impl Stripes<'_> {
         forget: fn(&mut Constraint, &mut Body, &mut Body),
         others: &mut Vec<usize>,
     ) {
-        for number in self.of_body(body) {
-            let start = self.layout.start(number);
-            let (stripe, own) = (&mut self.list[number], (body - start) as u32);
-            let mut cursor = stripe.links.begin(own);
-            while let Some(at) = stripe.links.next(&mut cursor) {
-                let Some(constraint) = stripe.constraint_mut(at) else { continue };
-                let (pair, lost) = (constraint.pair, constraint.impulse);
-                let (first, second) = two(&mut bodies[start..], pair);
-                forget(constraint, first, second);
-                if lost > 0.0 {
-                    let other = if pair.first == own { pair.second } else { pair.first };
-                    others.push(start + other as usize);
-                    stripe.disturbed.push((other, lost));
-                }
+        self.each_pair_of(body, |stripe, at, start| {
+            let Some(constraint) = stripe.constraint_mut(at) else { return };
+            let (pair, lost) = (constraint.pair, constraint.impulse);
+            let (first, second) = two(&mut bodies[start..], pair);
+            forget(constraint, first, second);
+            if lost > 0.0 {
+                let other = pair.other((body - start) as u32);
+                others.push(start + other as usize);
+                stripe.disturbed.push((other, lost));
             }
-            if let Some(at) = stripe.place_beside(own) {
-                stripe.beside[at].push = DVec2::ZERO;
-            }
+        });
+        let (number, own) = self.layout.place_of(body);
+        let stripe = &mut self.list[number];
+        if let Some(at) = stripe.place_beside(own) {
+            stripe.beside[at].push = DVec2::ZERO;
         }
     }
 }

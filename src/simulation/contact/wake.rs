@@ -92,8 +92,8 @@ impl Contact {
                     // What pushes it along the walls presses on it, too, but balances nothing.
                     let pressed = if slides { pressed - net.length() } else { pressed };
                     if net.length() > tolerance(kick, pressed) {
-                        let held = wake_after_substep(at, &given, kick, bodies, rests, stripes);
-                        if slides && held == given.velocity {
+                        let goes_on = wake_after_substep(at, &given, kick, bodies, rests, stripes);
+                        if slides && goes_on {
                             stripes.give_way(at, net, bodies);
                         }
                     }
@@ -124,7 +124,7 @@ pub(super) fn wake_if_asleep(
     }
 }
 
-/// Wakes a ball, at rest, once a substep is over, as if it had been held like this in it, and tells what of that goes on.
+/// Wakes a ball, at rest, once a substep is over, as if it had been held like this in it. Whether that goes on.
 fn wake_after_substep(
     at: usize,
     given: &Given,
@@ -132,14 +132,13 @@ fn wake_after_substep(
     bodies: &mut [Body],
     rests: &mut [Rest],
     stripes: &mut Stripes<'_>,
-) -> DVec2 {
-    let held = wake(at, given, kick, bodies, rests, stripes);
-    bodies[at].free = -held;
-    held
+) -> bool {
+    let goes_on = wake(at, given, kick, bodies, rests, stripes);
+    bodies[at].free = if goes_on { -given.velocity } else { DVec2::ZERO };
+    goes_on
 }
 
-/// Wakes a ball, at rest, and tells what of that which it is `given` goes on: nothing where it would be shot away. Its
-/// pairs must be linked.
+/// Wakes a ball, at rest. Whether what it is `given` goes on: not where it would be shot away. Its pairs must be linked.
 fn wake(
     at: usize,
     given: &Given,
@@ -147,17 +146,16 @@ fn wake(
     bodies: &mut [Body],
     rests: &mut [Rest],
     stripes: &mut Stripes<'_>,
-) -> DVec2 {
+) -> bool {
     rests[at].begin_anew(bodies[at].position);
     bodies[at].inverse_mass = rests[at].counted;
     stripes.weigh_pairs_of(at, bodies);
     let (moves, pressed) = ((given.velocity + kick).length(), given.pressed);
-    if moves < THROWN * kick.length() && pressed < SQUEEZED * kick.length() {
-        given.velocity
-    } else {
+    let goes_on = moves < THROWN * kick.length() && pressed < SQUEEZED * kick.length();
+    if !goes_on {
         stripes.let_go_of_one(at, bodies, kick);
-        DVec2::ZERO
     }
+    goes_on
 }
 
 /// Wakes a ball that something hits firmly, in the midst of a substep.
@@ -169,9 +167,9 @@ pub(super) fn wake_by_hit(
     stripes: &mut Stripes<'_>,
 ) {
     let given = stripes.given(at, rests[at].counted);
-    let held = wake(at, &given, kick, bodies, rests, stripes);
+    let goes_on = wake(at, &given, kick, bodies, rests, stripes);
     bodies[at].free = kick;
-    bodies[at].velocity = kick + held;
+    bodies[at].velocity = if goes_on { kick + given.velocity } else { kick };
 }
 
 impl Stripes<'_> {
@@ -189,25 +187,19 @@ impl Stripes<'_> {
     fn give_way(&mut self, body: usize, net: DVec2, bodies: &mut [Body]) {
         bodies[body].velocity += net;
         bodies[body].free += net;
-        for number in self.of_body(body) {
-            let start = self.layout.start(number);
-            let (stripe, own) = (&mut self.list[number], (body - start) as u32);
-            let mut cursor = stripe.links.begin(own);
-            while let Some(at) = stripe.links.next(&mut cursor) {
-                let Some(constraint) =
-                    stripe.constraint_mut(at).filter(|constraint| constraint.impulse > 0.0)
-                else {
-                    continue;
-                };
-                let pair = constraint.pair;
-                let (first, second) = two(&mut bodies[start..], pair);
-                let change = solve(constraint, first, second, 1.0);
-                if change < 0.0 {
-                    // One that sleeps, too, has lost what this gave it.
-                    stripe.disturbed.push((pair.other(own), -change));
-                }
+        self.each_pair_of(body, |stripe, at, start| {
+            let Some(constraint) = stripe.constraint_mut(at).filter(|constraint| constraint.impulse > 0.0)
+            else {
+                return;
+            };
+            let pair = constraint.pair;
+            let (first, second) = two(&mut bodies[start..], pair);
+            let change = solve(constraint, first, second, 1.0);
+            if change < 0.0 {
+                // One that sleeps, too, has lost what this gave it.
+                stripe.disturbed.push((pair.other((body - start) as u32), -change));
             }
-        }
+        });
     }
 }
 
