@@ -319,3 +319,23 @@ fn near_elastic_balls_that_fall_lose_as_much_energy_as_with_exact() {
         assert!((exact - contact).abs() < 8e-3, "{contact} of all, {exact} with exact");
     }
 }
+
+/// They stood still, and kept their speed: six times as much energy as with `exact`.
+#[test]
+fn crowds_of_unlike_masses_without_gravity_lose_their_energy_as_with_exact() {
+    let text = |density: u32, seed: u32| {
+        format!(
+            "[[fill]]\ncount = 250\nradius = 5\nspeed = [100, 300]\nrestitution = 0\ndensity = {density}\nseed = {seed}\n"
+        )
+    };
+    let text =
+        format!("size = [361, 361]\n[walls]\nrestitution = 1\n[pairs]\n{}{}", text(1, 1), text(1000, 2));
+    let scene = Scene::parse("crowd", &text).unwrap();
+    let [contact, exact] = [Solver::Contact, Solver::Exact].map(|solver| {
+        let mut crowd = scene.clone().with_solver(solver).build().unwrap();
+        let start = kinetic_energy(crowd.balls());
+        crowd.advance(3.0).unwrap();
+        kinetic_energy(crowd.balls()) / start
+    });
+    assert!(contact < 2.0 * exact && exact < 2.0 * contact, "{contact}, {exact} with exact");
+}

@@ -45,6 +45,9 @@ const ROUNDS_OF_SOME: u32 = 128;
 /// ... and sweeps have not settled either where a change is more than so many kicks of gravity: among small balls, large ones may
 /// wedge each other in.
 const FAST: f64 = 2.0;
+/// Without gravity nothing presses, and what was hit as often as it may be is stopped by sweeps alone, a crowd of unlike masses by
+/// hundreds: as many as look at no more than so many pairs in all. With one, such crowds stand still, and keep their speed.
+const PAIRS_WITHOUT_GRAVITY: usize = 400_000;
 /// Where impacts shifted more than one in so many balls, they are held apart once more after they were stopped.
 const MANY: usize = 64;
 /// Sweeps have settled where none of their changes moves a ball by more than this part of its radius in the substep.
@@ -142,11 +145,15 @@ impl Contact {
         };
         let firm = enough(SETTLED_OF_MIXED, f64::INFINITY);
         let one = |kind| Sweeps { rounds: 1, ..usual(kind) };
+        let affordable = |pairs: usize, touched: usize| (pairs / touched.max(1)) as u32;
         let sweeps = match self.near.as_ref() {
-            // Nothing presses: overlaps are only moved out of.
-            _ if kick == DVec2::ZERO => Unlike::ALL.map(one),
             // It does not settle before there is room again.
             Some(near) if near.crowd => Unlike::ALL.map(one),
+            near if kick == DVec2::ZERO => {
+                let touched = near.map_or(0, |near| near.touched);
+                let rounds = affordable(PAIRS_WITHOUT_GRAVITY, touched).clamp(1, ROUNDS_OF_FEW);
+                Unlike::ALL.map(|kind| Sweeps { rounds, enough: firm, ..usual(kind) })
+            }
             _ if few && !unlike.differs() => {
                 let enough = enough(SETTLED_OF_FEW, FAST_OF_FEW * kick.length());
                 let sweeps = Unlike::ALL.map(|kind| Sweeps { rounds: ROUNDS_OF_FEW, enough, ..usual(kind) });
@@ -161,10 +168,9 @@ impl Contact {
             near => Unlike::ALL.map(|kind| {
                 if kind.differs() {
                     let touched = near.map_or(0, |near| near.touched_unlike);
-                    let affordable = (PAIRS_OF_MIXED / touched.max(1)) as u32;
                     // What flies weighs what it does: sweeps alone have to carry heavy balls through light ones.
                     let most = if self.setting.grounded { ROUNDS_OF_MIXED } else { ROUNDS_OF_FEW };
-                    let rounds = affordable.clamp(ROUNDS, most);
+                    let rounds = affordable(PAIRS_OF_MIXED, touched).clamp(ROUNDS, most);
                     Sweeps { rounds, enough: firm, ..usual(kind) }
                 } else if amount <= Amount::Some {
                     let enough = enough(SETTLED, FAST * kick.length());
