@@ -234,6 +234,42 @@ fn equal_balls(count: u32, times: f64, seed: u64) -> Simulation {
     simulation(world(size, size, 0.3).with_gravity(EARTH).unwrap(), balls.collect())
 }
 
+/// Some that others pressed on the floor or a side hopped on it in each substep, without end: 928 times here.
+#[test]
+fn no_ball_hops_on_a_wall_for_ever_in_a_pile_that_lies() {
+    let mut hops = 0;
+    for seed in [1, 2, 3, 4] {
+        let mut pile = seeded_pile(1000, seed).with_sleep(false);
+        pile.advance(15.0).unwrap();
+        let before = pile.tally().wall_hits;
+        pile.advance(5.0).unwrap();
+        hops += pile.tally().wall_hits - before;
+    }
+    assert!(hops < 200, "{hops}");
+}
+
+/// They drifted to the right, by 26 px on average.
+#[test]
+fn a_block_that_collapses_spreads_to_both_sides_alike() {
+    let mut shifts = Vec::new();
+    for seed in 1..=8 {
+        let mut number = numbers::random(seed);
+        let balls = (0..1000).map(|k| {
+            let place = 10.5 * DVec2::new(f64::from(k % 40), f64::from(k / 40)) + DVec2::new(1290.0, 525.0);
+            let aside = DVec2::new(number(), number()) - 0.5;
+            ball(place.x + 0.4 * aside.x, place.y + 0.4 * aside.y, 5.0).with_restitution(0.3).unwrap()
+        });
+        let mut block = simulation(world(3000.0, 800.0, 0.5).with_gravity(EARTH).unwrap(), balls.collect());
+        let centre =
+            |block: &Simulation| block.balls().iter().map(|ball| ball.position().x).sum::<f64>() / 1000.0;
+        let start = centre(&block);
+        block.advance(3.0).unwrap();
+        shifts.push(centre(&block) - start);
+    }
+    let mean = shifts.iter().sum::<f64>() / 8.0;
+    assert!(mean.abs() < 8.0, "{mean} px: {shifts:?}");
+}
+
 /// They were driven into rows on the floor that had no room for them. Of 5,000 some lay in each other for a minute, by two radii.
 #[test]
 fn equal_balls_that_crash_on_a_wide_floor_come_to_rest_beside_each_other() {

@@ -10,15 +10,15 @@
 use glam::DVec2;
 
 use super::super::lesser::lesser;
-use super::carry::Floor;
 use super::constraints::Marks;
 use super::fates::{Limits, Shift};
+use super::floors::{Floor, held};
 use super::impacts::Stage;
 use super::meeting::strike;
 use super::sleep::Rest;
 use super::stripes::Stripes;
 use super::sweep::Pass;
-use super::wedges::{FLAT_UNDER_FIXED, held_between};
+use super::wedges::FLAT_UNDER_FIXED;
 use super::{Body, Contact, Setting};
 
 /// They are near a ball that is no farther from them than this part of its radius, and than it goes in a substep.
@@ -64,8 +64,8 @@ impl Onward {
     fn held(&self, velocity: DVec2, sides: impl Iterator<Item = Side>) -> DVec2 {
         let goes = velocity + self.faster;
         let floors: Vec<_> = sides.map(|side| side.floor(goes, self.left)).collect();
-        let held = held_between(goes, &floors.iter().copied());
-        if held == goes { velocity } else { held - self.faster }
+        let change = held(goes, &floors).change;
+        if change == DVec2::ZERO { velocity } else { goes + change - self.faster }
     }
 }
 

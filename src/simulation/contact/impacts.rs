@@ -292,7 +292,7 @@ impl Stage<'_> {
                 }
                 let before = self.bodies[body];
                 let first = meets_one_wall(self.setting, &before, &fate);
-                let ball = (&mut self.bodies[body], self.rests[body].in_impacts());
+                let ball = (&mut self.bodies[body], &self.rests[body]);
                 let Some(met) = meet_walls(self.setting, ball, &beside, (fate.time, first), self.tally)
                 else {
                     return [None; 2];

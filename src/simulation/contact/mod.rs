@@ -13,7 +13,7 @@
 //!    of them, then and until all is held (`firm`);
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
 //!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`, `abreast`,
-//!    `wedges`); what counts as heavier than it is, and is fast, is slowed down before;
+//!    `wedges`, `floors`); what counts as heavier than it is, and is fast, is slowed down before;
 //! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
 //!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from gaining energy
 //!    by what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they
@@ -51,6 +51,7 @@ mod events;
 mod fates;
 mod find;
 mod firm;
+mod floors;
 mod handover;
 mod impacts;
 mod islands;

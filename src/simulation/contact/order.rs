@@ -5,24 +5,23 @@ use glam::DVec2;
 use super::Body;
 use super::constraints::{Constraint, Pair};
 
-/// The height of a layer, in the smallest radius.
-const LAYER: f64 = 0.25;
-
 /// Room for sorting pairs by height.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Heights {
     starts: Vec<u32>,
     /// The place of each ball in the order of heights.
     ranks: Vec<u32>,
+    /// The ball at each of these places.
+    ordered: Vec<u32>,
     sorted: Vec<Pair>,
 }
 
 impl Heights {
-    /// Puts the pairs in the order of the height of their upper balls, from the lowest up to a fraction of a radius,
-    /// with all pairs of an upper ball side by side, and the upper ball first. `up` is the unit vector against gravity.
+    /// Puts the pairs in the order of the height of their upper balls, from the lowest up, with all pairs of an upper ball side by
+    /// side, and the upper ball first. `up` is the unit vector against gravity.
     pub(super) fn sort(&mut self, pairs: &mut Vec<Pair>, bodies: &[Body], up: DVec2) {
         self.rank(bodies, up);
-        let Self { starts, ranks, sorted } = self;
+        let Self { starts, ranks, sorted, .. } = self;
         starts.clear();
         starts.resize(bodies.len() + 1, 0);
         for pair in pairs.iter_mut() {
@@ -43,31 +42,46 @@ impl Heights {
         std::mem::swap(pairs, sorted);
     }
 
-    /// Finds the places of balls in the order of their heights, up to the height of a layer.
+    /// Finds the places of balls in the order of their heights. Where these are the same to the last bit, as in a row on the floor, as
+    /// many balls come before those on their left as before those on their right: what comes later is stopped on what came before
+    /// it (`carry`), and a heap would drift to one side.
     fn rank(&mut self, bodies: &[Body], up: DVec2) {
-        let Self { starts, ranks, .. } = self;
+        let Self { starts, ranks, ordered, .. } = self;
         let height = |body: &Body| body.position.dot(up);
-        let (mut low, mut high, mut smallest) = (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for body in bodies {
             low = low.min(height(body));
             high = high.max(height(body));
-            smallest = smallest.min(body.radius);
         }
-        let layers = ((high - low) / (LAYER * smallest)).min(2.0 * bodies.len() as f64).max(1.0);
-        let density = if high > low { layers / (high - low) } else { 0.0 };
+        // By layers first, of one ball each on average.
+        let density = if high > low { bodies.len() as f64 / (high - low) } else { 0.0 };
         let layer = |body: &Body| ((height(body) - low) * density) as usize;
         starts.clear();
-        starts.resize(layers as usize + 2, 0);
+        starts.resize(bodies.len() + 2, 0);
         for body in bodies {
             starts[layer(body) + 1] += 1;
         }
         sum_up(starts);
-        ranks.clear();
-        ranks.extend(bodies.iter().map(|body| {
+        ordered.resize(bodies.len(), 0);
+        for (at, body) in (0..).zip(bodies) {
             let next = &mut starts[layer(body)];
+            ordered[*next as usize] = at;
             *next += 1;
-            *next - 1
-        }));
+        }
+        let side = |at: u32| if at.is_multiple_of(2) { at } else { u32::MAX - at };
+        let mut start = 0;
+        for &end in &*starts {
+            let end = end as usize;
+            ordered[start..end].sort_unstable_by(|&one, &other| {
+                let [low, high] = [one, other].map(|at| height(&bodies[at as usize]));
+                low.total_cmp(&high).then(side(one).cmp(&side(other)))
+            });
+            start = end;
+        }
+        ranks.resize(bodies.len(), 0);
+        for (rank, &at) in (0..).zip(&*ordered) {
+            ranks[at as usize] = rank;
+        }
     }
 }
 

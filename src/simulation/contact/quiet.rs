@@ -105,7 +105,7 @@ impl Contact {
             return None;
         }
         let beside = Beside { body: at as u32, push: DVec2::ZERO };
-        let met = meet_walls(setting, (&mut body, rests[at].own), &beside, (0.0, false), &mut happens.tally)?;
+        let met = meet_walls(setting, (&mut body, &rests[at]), &beside, (0.0, false), &mut happens.tally)?;
         let legs = Leg::of(at, &body, time.max(met.time)).after_walls(&bodies[at], &body, &met);
         happens.hit.push((at, body, legs));
         (!met.landed.any()).then_some(())

@@ -79,7 +79,11 @@ impl Contact {
             lifted.extend(wall.squeezed(setting, row).map(|at| (at, wall)));
         }
         if lifted.is_empty() {
-            (*tries, *waits) = (0, 0);
+            *tries = 0;
+            // Soon after a wait, none may lie too deep by chance.
+            if *steps >= *until + PATIENCE * substeps.shortest() {
+                *waits = 0;
+            }
             return;
         }
         *tries += 1;

@@ -4,10 +4,10 @@
 use std::collections::BinaryHeap;
 
 use super::super::Tally;
-use super::carry::Floor;
 use super::constraints::{Beside, Constraint, Given, Marks, Pair};
 use super::energy::Account;
 use super::events::Event;
+use super::floors::Floor;
 use super::layout::{Layer, Layout};
 use super::legs::Leg;
 use super::order::{Heights, Kept, Known, Links};
@@ -69,10 +69,8 @@ pub(super) struct Stripe {
     /// how far away, px.
     pub(super) ways: Vec<DVec2>,
     pub(super) distances: Vec<f64>,
-    /// What carries the ball that is looked at, and how much each adds to its velocity.
-    pub(super) floors: Vec<(Floor, f64)>,
-    /// What is above the ball that is looked at and faces what carries it, and what does, as floors.
-    pub(super) faced: Vec<Floor>,
+    /// What carries the ball that is looked at, and what is above it in a flat wedge.
+    pub(super) floors: Vec<Floor>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
     pub(super) disturbed: Vec<(u32, f64)>,
     /// Places of pairs that may meet in a substep.

@@ -4,12 +4,17 @@ use glam::{BVec2, DVec2};
 
 use super::constraints::Beside;
 use super::meeting::strike;
+use super::sleep::Rest;
+use super::unlike::Unlike;
 use super::{Body, SHIFT, Setting, Tally};
 
 /// Bounces of a ball on a wall in one substep.
 const BOUNCES: u32 = 32;
 /// A ball whose next hop on a wall lasts less than this part of a substep rests there.
 const SHORTEST_HOP: f64 = 1.0 / 64.0;
+/// The same of one that others press on it, or hold up in part: what presses is known for whole substeps. With a quarter, piles
+/// tremble twice as much.
+const SHORTEST_PRESSED_HOP: f64 = 1.0;
 
 /// When a ball comes to a wall, if it does in this substep, s after its beginning; by its mean velocity.
 #[inline]
@@ -50,11 +55,11 @@ impl Met {
         Self { time: 0.0, shifts: false, first: [f64::INFINITY; 2], again: false, landed: BVec2::FALSE };
 }
 
-/// Bounces a ball of this inverse mass off the walls that it meets in this substep after `since`, when it was last hit; or
-/// off the `first` alone: on its way to the other it may meet balls yet.
+/// Bounces a ball off the walls that it meets in this substep after `since`, when it was last hit; or off the `first` alone: on its
+/// way to the other it may meet balls yet.
 pub(super) fn meet_walls(
     setting: &Setting,
-    (body, own): (&mut Body, f64),
+    (body, rest): (&mut Body, &Rest),
     beside: &Beside,
     (since, first): (f64, bool),
     tally: &mut Tally,
@@ -73,9 +78,10 @@ pub(super) fn meet_walls(
         } else {
             continue;
         };
-        let Some(landed) = meet_wall(setting, body, beside, (axis, wall, side), since, e) else { continue };
+        let ball = (&mut *body, rest.unlike);
+        let Some(landed) = meet_wall(setting, ball, beside, (axis, wall, side), since, e) else { continue };
         tally.wall_hits += u64::from(landed.counted);
-        tally.wall_impulse[axis] += side * landed.impulse / own;
+        tally.wall_impulse[axis] += side * landed.impulse / rest.in_impacts();
         let met = met.get_or_insert(Met::NOTHING);
         met.time = met.time.max(since + landed.time);
         met.shifts |= landed.fastest * setting.substep > SHIFT * body.radius;
@@ -93,20 +99,24 @@ pub(super) fn meet_walls(
 /// the wall. [`None`] where it rests there.
 fn meet_wall(
     setting: &Setting,
-    body: &mut Body,
+    (body, unlike): (&mut Body, Unlike),
     beside: &Beside,
     (axis, wall, side): (usize, f64, f64),
     since: f64,
     e: f64,
 ) -> Option<Landed> {
     let change = body.change(setting.kick)[axis];
-    // In closed form only where nothing but gravity acts on it along this axis.
     let rests = side * beside.push[axis] > 0.0;
-    let lone = !rests && body.velocity[axis] == body.free[axis];
     let mean = body.velocity[axis];
+    let load = mean - body.free[axis];
+    let lone = !rests && load == 0.0;
+    // In closed form where nothing but gravity acts on it along this axis, or all that does presses it on the wall: that never ends
+    // where each substep takes the speed for an impact's that it gives it anew. Not where balls are unlike: what a heavy one presses
+    // on a light one may be gone in the next substep, and what the light one is to lose to it would stay.
+    let closed = lone || !(rests || unlike.differs()) && side * change < 0.0;
     // Where it stands at the substep's beginning is where it would have come from: it may be behind the wall.
     let left = setting.substep - since;
-    let (acceleration, start, fallen) = if lone {
+    let (acceleration, start, fallen) = if closed {
         let acceleration = change / setting.substep;
         (acceleration, mean - 0.5 * change + acceleration * since, -0.5 * acceleration * since * left)
     } else {
@@ -122,17 +132,20 @@ fn meet_wall(
     let height = if side > 0.0 { position - wall } else { wall - position };
     let hop = Hop { height, speed: side * start, acceleration: side * acceleration };
     let slow = SHIFT * body.radius / setting.substep;
-    let landed = hop.bounce(left, setting.substep, (slow, setting.rest_speed), e);
-    if landed.at.is_none() && lone {
-        // It stands where it is, and the wall bears it from now on (`lay_on_walls`). Were it left to fall on the wall from where
-        // it would just come to it, rounding would decide whether that holds it or it hops on.
+    let shortest = if lone { SHORTEST_HOP } else { SHORTEST_PRESSED_HOP } * setting.substep;
+    let landed = hop.bounce(left, shortest, (slow, setting.rest_speed), e);
+    if landed.at.is_none() && closed {
+        // It stands where it is, and the wall bears it from now on: what presses it is stopped by that (`hold_on_walls`), or, were
+        // it left to fall on the wall from where it would just come to it, rounding would decide whether that holds it or it hops on
+        // (`lay_on_walls`).
         body.position[axis] = wall;
-        (body.velocity[axis], body.free[axis]) = (0.0, change);
-        return Some(Landed { lies: true, ..landed });
+        body.velocity[axis] = if lone { 0.0 } else { change };
+        body.free[axis] = change - load;
+        return Some(Landed { lies: lone, ..landed });
     }
     // What it would have been, had nothing held it.
     let velocity = match landed.at {
-        Some(at) if lone => side * at.speed - 0.5 * change,
+        Some(at) if closed => side * at.speed - 0.5 * change,
         Some(at) => side * at.speed,
         None => change,
     };
@@ -208,9 +221,9 @@ struct Landed {
 }
 
 impl Hop {
-    /// Follows the ball for `time` s, a substep or what is left of it, in closed form, through all its bounces; those
-    /// slower than `slow`, px/s, hardly move it, and those no faster than `rest_speed` are not counted.
-    fn bounce(mut self, time: f64, substep: f64, (slow, rest_speed): (f64, f64), e: f64) -> Landed {
+    /// Follows the ball for `time` s, a substep or what is left of it, in closed form, through all its bounces, until it would hop for
+    /// less than `shortest` s; those slower than `slow`, px/s, hardly move it, and those no faster than `rest_speed` are not counted.
+    fn bounce(mut self, time: f64, shortest: f64, (slow, rest_speed): (f64, f64), e: f64) -> Landed {
         let (mut left, mut bounces, mut counted, mut fastest, mut impulse) = (time, 0, 0, 0.0_f64, 0.0);
         let (mut first, mut last) = (f64::INFINITY, 0.0);
         self.height = self.height.max(0.0);
@@ -244,11 +257,80 @@ impl Hop {
             fastest = fastest.max(arrival);
             impulse += (1.0 + e) * arrival;
             self = Self { height: 0.0, speed: e * arrival, acceleration };
-            let short = 2.0 * self.speed <= -acceleration * SHORTEST_HOP * substep;
+            let short = 2.0 * self.speed <= -acceleration * shortest;
             if short || bounces == BOUNCES {
                 break None;
             }
         };
         Landed { at, lies: false, time: last, bounces, counted, first, fastest, impulse }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::ball::Ball;
+    use super::super::Contact;
+    use super::super::testing::{TUNING, boxed_world};
+    use super::*;
+
+    /// How high above the floor a ball is after each of so many substeps, px, that falls from `height` while others press it down, or hold
+    /// it up in part, by this part of its weight; it has to come to rest within them.
+    fn hops(height: f64, load: f64, substeps: u32) -> Vec<f64> {
+        let floor = 90.0;
+        let ball = Ball::new(DVec2::new(50.0, floor - height), 10.0).unwrap();
+        let Contact { setting, bodies, rests, .. } =
+            Contact::new(&boxed_world(DVec2::splat(100.0)), &[ball], TUNING);
+        let (mut body, beside) = (bodies[0], Beside { body: 0, push: DVec2::ZERO });
+        let load = load * setting.kick;
+        (body.velocity, body.free) = (-0.5 * (setting.kick + load), -0.5 * (setting.kick + load) - load);
+        let mut heights = Vec::new();
+        for _ in 0..substeps {
+            let change = body.change(setting.kick);
+            body.free = body.velocity + setting.kick;
+            body.velocity += change;
+            if reaches_wall(&setting, &body).is_some() {
+                let met = meet_walls(
+                    &setting,
+                    (&mut body, &rests[0]),
+                    &beside,
+                    (0.0, false),
+                    &mut Tally::default(),
+                );
+                if met.is_some() && body.position.y == floor {
+                    // What presses it is as before, and is to be stopped by the floor.
+                    assert!((body.velocity - body.free).abs_diff_eq(load, 1e-9) && body.velocity == change);
+                    return heights;
+                }
+            }
+            body.position = body.end(setting.substep);
+            heights.push(floor - body.position.y);
+        }
+        panic!("it hops for ever: {heights:?}");
+    }
+
+    /// How high a ball is that falls from a height and bounces, each time half as fast.
+    fn bounced(height: f64, gravity: f64, time: f64) -> f64 {
+        let arrival = (2.0 * gravity * height).sqrt();
+        let (mut left, mut speed) = (time - arrival / gravity, 0.5 * arrival);
+        if left < 0.0 {
+            return height - 0.5 * gravity * time * time;
+        }
+        while left > 2.0 * speed / gravity {
+            left -= 2.0 * speed / gravity;
+            speed *= 0.5;
+        }
+        speed * left - 0.5 * gravity * left * left
+    }
+
+    #[test]
+    fn what_others_press_on_a_wall_hops_on_it_as_if_gravity_were_stronger_and_comes_to_rest() {
+        for (height, load) in [(0.3, 50.0), (0.01, 50.0), (2.0, 5.0), (0.3, 0.1), (0.02, -0.3), (1.0, -0.9)] {
+            let heights = hops(height, load, 200);
+            let substep = 1.0 / 240.0;
+            for (number, found) in (1..).zip(&heights) {
+                let law = bounced(height, (1.0 + load) * 980.0, f64::from(number) * substep);
+                assert!((found - law).abs() < 1e-9, "{height} px, {load}: {found}, not {law} after {number}");
+            }
+        }
     }
 }

@@ -8,10 +8,8 @@
 //!
 //! That is so for pairs of one stripe: a wedge across the edge of two is left to sweeps.
 
-use glam::DVec2;
-
-use super::carry::Floor;
 use super::constraints::{Constraint, Marks};
+use super::floors::{Floor, held};
 use super::sleep::Rest;
 use super::stripes::Stripe;
 use super::{Body, Setting};
@@ -20,8 +18,6 @@ use super::{Body, Setting};
 /// ones, 14° under one asleep. What others hold, sweeps find soon; if they were stopped so, too, piles would come to rest later.
 pub(super) const FLAT_UNDER_FIXED: f64 = 0.87;
 pub(super) const FLAT_UNDER_SLEEPER: f64 = 0.97;
-/// By so much of a ball's speed it may still go into what holds it: what rounding leaves in flat wedges.
-const ROUNDING: f64 = 1e-9;
 
 /// A pair that is held apart, of which one cannot be moved: either, which may change while the list stands.
 #[derive(Debug, Clone, Copy)]
@@ -78,75 +74,9 @@ pub(super) fn stop_in_wedge(
     }
     floors.extend(its.iter().map(|&at| Floor::under(constraints, bodies, at)));
     let body = &mut bodies[ball];
-    let change = held_between(body.velocity, &floors.iter().copied()) - body.velocity;
+    let change = held(body.velocity, floors).change;
     // Nothing is passed on to what it presses on.
     body.velocity += change;
     body.free += change;
     true
-}
-
-/// The velocity that is nearest to this one of those that sink into no floor. That is a projection onto a convex set, of which one or
-/// two floors bound what is nearest. A velocity of 0 sinks into none, so it only ever becomes less.
-pub(super) fn held_between(velocity: DVec2, floors: &(impl Iterator<Item = Floor> + Clone)) -> DVec2 {
-    let slack = ROUNDING * velocity.length();
-    let holds = |held: &DVec2| floors.clone().all(|floor| held.dot(floor.up) >= floor.least - slack);
-    if holds(&velocity) {
-        return velocity;
-    }
-    let on_one = floors.clone().filter_map(|floor| {
-        let added = floor.least - velocity.dot(floor.up);
-        Some(velocity + floor.up * added).filter(|held| added > 0.0 && holds(held))
-    });
-    let on_two = floors.clone().enumerate().flat_map(|(number, one)| {
-        floors.clone().take(number).filter_map(move |other| {
-            let sine = one.up.perp_dot(other.up);
-            let held = (one.up.perp() * other.least - other.up.perp() * one.least) / sine;
-            // Both push, and neither pulls.
-            let change = held - velocity;
-            let pushes = [change.perp_dot(other.up), one.up.perp_dot(change)];
-            Some(held).filter(|_| pushes.iter().all(|push| push * sine >= 0.0))
-        })
-    });
-    // Where rounding leaves none of a very flat wedge, it is that which sinks into nothing.
-    on_one.chain(on_two.filter(holds)).next().unwrap_or_default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_held_between_floors_changes_as_little_as_keeps_it_out_of_all() {
-        for turn in 0..500 {
-            let angle = |k: u32| f64::from(k * turn) * 0.618;
-            let velocity = 100.0 * DVec2::from_angle(angle(7));
-            let floor =
-                |k| Floor { up: DVec2::from_angle(angle(k)), least: -20.0 * angle(k + 3).sin().abs() };
-            let floors: Vec<_> = (1..2 + turn % 4).map(floor).collect();
-            // Hildreth's way to the same (1957): slow, but by nothing else than one floor at a time.
-            let mut slow: Vec<_> = floors.iter().map(|&floor| (floor, 0.0)).collect();
-            let mut expected = velocity;
-            for _ in 0..50_000 {
-                for (floor, added) in &mut slow {
-                    let more = (floor.least - expected.dot(floor.up)).max(-*added);
-                    *added += more;
-                    expected += floor.up * more;
-                }
-            }
-            let held = held_between(velocity, &floors.iter().copied());
-            assert!(held.abs_diff_eq(expected, 1e-6), "turn {turn}: {held} and {expected}");
-        }
-    }
-
-    #[test]
-    fn what_goes_into_a_wedge_stands_still_in_it_however_flat_it_is() {
-        for flat in [0.3, 1e-2, 1e-4, 1e-7, 1e-10, 0.0] {
-            let ups = [DVec2::from_angle(0.35), DVec2::from_angle(0.35 + std::f64::consts::PI - flat)];
-            let floors = ups.map(|up| Floor { up, least: 0.0 });
-            let into = -(ups[0] + ups[1]).normalize_or(ups[0].perp());
-            let held = held_between(3.0 * into, &floors.into_iter());
-            assert!(flat < 1e-8 || held.length() < 1e-6, "{flat} rad: {held}");
-            assert!(floors.iter().all(|floor| held.dot(floor.up) > -1e-6), "{flat} rad: {held}");
-        }
-    }
 }
