@@ -2,7 +2,7 @@
 //! Guendelman, Bridson & Fedkiw 2003), so that no load, and no ratio of masses, makes anything sink. Where substeps are the
 //! shortest, what stopped it acts on what lies below in the next.
 
-use super::super::lesser::lesser;
+use super::super::lesser::{greater, lesser};
 use super::amount::Amount;
 use super::constraints::Constraint;
 use super::floors::{Floor, Held, added_by_two, held};
@@ -10,9 +10,12 @@ use super::layout::Layer;
 use super::meeting::strike;
 use super::stripes::Stripe;
 use super::sweep::Pass;
+use super::unlike::Unlike;
 use super::wedges::stop_in_wedge;
 use super::{Body, Contact, DVec2, Setting};
 
+/// Rounds over the pairs of one ball among balls that are unlike in density, where each may undo some of what the others did.
+const INNER: u32 = 3;
 /// What stops a ball on what carries it is passed on to that in the next substep, but by each of their pairs, each time
 /// that it is looked at, no more than so many kicks of gravity of twice their effective mass: under heavy ones, light balls
 /// would be squeezed out.
@@ -71,7 +74,7 @@ impl Stripe {
         setting: &Setting,
         bodies: &mut [Body],
     ) {
-        let Self { constraints, carrying, uppers, wedging, floors, .. } = self;
+        let Self { constraints, carrying, uppers, wedging, floors, added, .. } = self;
         let (constraints, carrying) = (&mut constraints[..], &carrying[..]);
         let most = PASSED_ON * setting.kick.length();
         for ends in uppers.windows(2) {
@@ -81,13 +84,20 @@ impl Stripe {
             if WEDGES && stop_in_wedge(upper, constraints, bodies, its, wedging, floors) {
                 continue;
             }
+            if setting.unlike == Unlike::Density {
+                stop_by_sweeps::<PASSES_ON>(upper, constraints, bodies, most, its, (floors, added));
+                continue;
+            }
             if let [one] | [one, _] = *its {
-                stop_on_two::<PASSES_ON>(upper, constraints, bodies, most, (one, its[its.len() - 1]));
+                stop_on_two::<PASSES_ON>(upper, constraints, bodies, most, [one, its[its.len() - 1]]);
                 continue;
             }
             floors.clear();
             floors.extend(its.iter().map(|&at| Floor::under(constraints, bodies, at)));
             let Held { change, by } = held(bodies[upper].velocity, floors);
+            if change == DVec2::ZERO {
+                continue;
+            }
             if by[0].is_some() {
                 let by = by.into_iter().flatten().map(|(floor, added)| ((its[floor], floors[floor]), added));
                 stop::<PASSES_ON>(upper, constraints, bodies, most, by);
@@ -108,23 +118,47 @@ impl Floor {
     }
 }
 
-/// What carries a ball, and is carried itself, by one or two: that takes no branch, which a processor could not foresee.
+/// Stops a ball on the one or two that these constraints are with; one may be both.
 #[inline]
 fn stop_on_two<const PASSES_ON: bool>(
     upper: usize,
     constraints: &mut [Constraint],
     bodies: &mut [Body],
     most: f64,
-    (one, other): (u32, u32),
+    both: [u32; 2],
 ) {
-    let floors = [one, other].map(|at| Floor::under(constraints, bodies, at));
+    let floors = both.map(|at| Floor::under(constraints, bodies, at));
     let velocity = bodies[upper].velocity;
-    let [first, second] = floors.map(|floor| floor.least - velocity.dot(floor.up));
-    let cosine = floors[0].up.dot(floors[1].up);
-    // On one it lies as on two of which it leaves the other.
-    let (second, cosine) = if one == other { (f64::MIN, 0.0) } else { (second, cosine) };
-    let added = added_by_two([first, second], cosine);
-    let by = [one, other].into_iter().zip(floors).zip(added);
+    let lacking = floors.map(|floor| floor.least - velocity.dot(floor.up));
+    let added = added_by_two(lacking, floors[0].up.dot(floors[1].up));
+    stop::<PASSES_ON>(upper, constraints, bodies, most, both.into_iter().zip(floors).zip(added));
+}
+
+/// Stops a ball among others that are unlike it in density on what these constraints, `its`, are with, one after the other: what a heavy
+/// ball gives light ones that it is wedged between grows only slowly so, and they are not crushed. As each leaves something of those
+/// before, every other ball takes them the other way round.
+fn stop_by_sweeps<const PASSES_ON: bool>(
+    upper: usize,
+    constraints: &mut [Constraint],
+    bodies: &mut [Body],
+    most: f64,
+    its: &[u32],
+    (floors, added): (&mut Vec<Floor>, &mut Vec<f64>),
+) {
+    let in_turn = |number: usize| its[if upper.is_multiple_of(2) { number } else { its.len() - 1 - number }];
+    floors.clear();
+    floors.extend((0..its.len()).map(|number| Floor::under(constraints, bodies, in_turn(number))));
+    added.clear();
+    added.resize(its.len(), 0.0);
+    let mut velocity = bodies[upper].velocity;
+    for _ in 0..INNER {
+        for (floor, added) in floors.iter().zip(&mut *added) {
+            let more = greater(0.0, floor.least - velocity.dot(floor.up));
+            *added += more;
+            velocity += floor.up * more;
+        }
+    }
+    let by = (0..its.len()).map(|number| ((in_turn(number), floors[number]), added[number]));
     stop::<PASSES_ON>(upper, constraints, bodies, most, by);
 }
 

@@ -1,6 +1,6 @@
 //! What is known of each ball's impacts in a substep, and how many it may have.
 
-use glam::{BVec2, DVec2};
+use glam::DVec2;
 
 use super::amount::{Amount, FEW};
 use super::meeting::strike;
@@ -53,8 +53,8 @@ pub(super) struct Fate {
     /// Whether the substep has ended for it, if it is fast (`ending`).
     pub(super) ended: bool,
     pub(super) shift: Shift,
-    /// Across which axes it came to rest on a wall that nothing but gravity presses it on.
-    pub(super) landed: BVec2,
+    /// What walls on which it came to rest give it from now on in a substep, px/s; 0 across others.
+    pub(super) borne: DVec2,
 }
 
 /// Where a body stands that was hit after the substep's beginning: until its end where it would have come from.
@@ -70,6 +70,11 @@ pub(super) enum Shift {
 }
 
 impl Fate {
+    /// Notes what walls give it from now on where it came to rest on them.
+    pub(super) fn bear(&mut self, borne: DVec2) {
+        self.borne = DVec2::select(borne.cmpne(DVec2::ZERO), borne, self.borne);
+    }
+
     /// That of a body that is slow, or fast, or neither.
     #[inline]
     pub(super) fn at_start(slow: bool, fast: bool) -> Self {

@@ -9,8 +9,9 @@ use super::super::lesser::greater;
 
 /// By so much of a ball's speed it may still go into what holds it: what rounding leaves in flat wedges.
 const ROUNDING: f64 = 1e-9;
-/// The least square of the sine between two floors that is told from 0.
-const FLATTEST: f64 = 1e-12;
+/// Two floors that face each other, or are the same, are taken for a little less so, by this factor of their cosine: what each adds
+/// would be 0/0.
+const NEVER_FACING: f64 = 1.0 - 1e-12;
 
 /// What carries a ball, or lies beside or above it: how fast it goes down there, at most.
 #[derive(Debug, Clone, Copy)]
@@ -31,41 +32,56 @@ pub(super) struct Held {
 }
 
 /// How a ball of this velocity is kept out of all floors. A velocity of 0 sinks into none, so it only ever becomes less.
+///
+/// The floor that it still sinks into the fastest is added to those that push it, in turn (a dual active set; Goldfarb & Idnani 1983):
+/// each turn takes it farther from the velocity that it had, so none comes twice.
 pub(super) fn held(velocity: DVec2, floors: &[Floor]) -> Held {
     let slack = ROUNDING * velocity.length();
-    let sinks_into_none = |held: DVec2| floors.iter().all(|floor| held.dot(floor.up) >= floor.least - slack);
-    if sinks_into_none(velocity) {
-        return Held::default();
-    }
-    for (at, floor) in floors.iter().enumerate() {
-        let added = floor.least - velocity.dot(floor.up);
-        let change = floor.up * added;
-        if added > 0.0 && sinks_into_none(velocity + change) {
-            return Held { change, by: [Some((at, added)), None] };
-        }
-    }
-    for (at, one) in floors.iter().enumerate() {
-        for (before, other) in floors[..at].iter().enumerate() {
-            let sine = one.up.perp_dot(other.up);
-            let held = (one.up.perp() * other.least - other.up.perp() * one.least) / sine;
-            let change = held - velocity;
-            let [by_one, by_other] =
-                [change.perp_dot(other.up), one.up.perp_dot(change)].map(|added| added / sine);
-            // Both push, and neither pulls.
-            if by_one >= 0.0 && by_other >= 0.0 && sinks_into_none(held) {
-                return Held { change, by: [Some((at, by_one)), Some((before, by_other))] };
-            }
-        }
+    let mut held = Held::default();
+    for _ in 0..=2 * floors.len() {
+        let goes = velocity + held.change;
+        let sinks = floors.iter().map(|floor| floor.least - goes.dot(floor.up)).enumerate();
+        let Some((fastest, _)) =
+            sinks.filter(|(_, lacking)| *lacking > slack).max_by(|one, other| one.1.total_cmp(&other.1))
+        else {
+            return held;
+        };
+        let pushed = held.by.map(|by| by.map(|(at, _)| at));
+        let holds = |held: &Held| {
+            let goes = velocity + held.change;
+            pushed.into_iter().flatten().all(|at| goes.dot(floors[at].up) >= floors[at].least - slack)
+        };
+        let alone = pushed_by(velocity, floors, [fastest, fastest]);
+        let with_one =
+            pushed.into_iter().flatten().filter_map(|at| pushed_by(velocity, floors, [fastest, at]));
+        let Some(found) = alone.into_iter().chain(with_one).find(holds) else { break };
+        held = found;
     }
     // Where rounding leaves none of a very flat wedge, it is that which sinks into nothing.
     Held { change: -velocity, by: [None; 2] }
 }
 
+/// What just keeps a ball of this velocity out of two floors, or of one, twice, where each of them pushes it.
+fn pushed_by(velocity: DVec2, floors: &[Floor], [first, second]: [usize; 2]) -> Option<Held> {
+    let [one, other] = [floors[first], floors[second]];
+    if first == second {
+        let added = one.least - velocity.dot(one.up);
+        return (added > 0.0).then(|| Held { change: one.up * added, by: [Some((first, added)), None] });
+    }
+    let sine = one.up.perp_dot(other.up);
+    let change = (one.up.perp() * other.least - other.up.perp() * one.least) / sine - velocity;
+    let [by_one, by_other] = [change.perp_dot(other.up), one.up.perp_dot(change)].map(|added| added / sine);
+    // Both push, and neither pulls.
+    (by_one >= 0.0 && by_other >= 0.0)
+        .then_some(Held { change, by: [Some((first, by_one)), Some((second, by_other))] })
+}
+
 /// How much each of two floors adds to the velocity of a ball that sinks into them so much too fast, px/s; the cosine is that between
-/// them. That takes no branch, which a processor could not foresee.
+/// them. Where they are the same floor, each adds half. That takes no branch, which a processor could not foresee.
 #[inline]
 pub(super) fn added_by_two([one, other]: [f64; 2], cosine: f64) -> [f64; 2] {
-    let sine = (1.0 - cosine * cosine).max(FLATTEST);
+    let cosine = cosine * NEVER_FACING;
+    let sine = 1.0 - cosine * cosine;
     // What each adds where both push; where one would have to pull, the other pushes alone.
     let both = [one - cosine * other, other - cosine * one].map(|lacking| lacking / sine);
     let added = |both: [f64; 2], alone: f64| if both[1] < 0.0 { alone } else { both[0] };
@@ -116,6 +132,27 @@ mod tests {
             let held = 3.0 * into + held(3.0 * into, &floors).change;
             assert!(flat < 1e-8 || held.length() < 1e-6, "{flat} rad: {held}");
             assert!(floors.iter().all(|floor| held.dot(floor.up) > -1e-6), "{flat} rad: {held}");
+        }
+    }
+
+    #[test]
+    fn between_two_that_face_each_other_or_on_the_same_twice_a_ball_goes_into_neither() {
+        let up = DVec2::from_angle(0.7);
+        let aside = up.perp();
+        for other in [-up, -up + 1e-9 * aside, -up + 1e-15 * aside, up, up + 1e-9 * aside] {
+            for velocity in [5.0 * up, -5.0 * up, 5.0 * aside, 3.0 * up - 4.0 * aside] {
+                let floors = [up, other].map(|up| Floor { up, least: 0.0 });
+                let [first, second] = added_by_two([up, other].map(|up| -velocity.dot(up)), up.dot(other));
+                let by_two = velocity + up * first + other * second;
+                let exactly = velocity + held(velocity, &floors).change;
+                for (held, sinking) in [(by_two, 1e-3), (exactly, 1e-6)] {
+                    assert!(
+                        floors.iter().all(|floor| held.dot(floor.up) > -sinking),
+                        "{other}, {velocity}: {held}"
+                    );
+                    assert!(held.length() < velocity.length() + 1e-6, "{other}, {velocity}: {held}");
+                }
+            }
         }
     }
 }

@@ -298,7 +298,7 @@ impl Stage<'_> {
                     return [None; 2];
                 };
                 self.fates[body].shift.raise(Shift::Some, met.shifts);
-                self.fates[body].landed |= met.landed;
+                self.fates[body].bear(met.borne);
                 self.note(body, met.time.max(event.time));
                 if let Some(legs) = &mut self.legs
                     && let Some(leg) = legs.pop()

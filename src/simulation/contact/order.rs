@@ -42,9 +42,9 @@ impl Heights {
         std::mem::swap(pairs, sorted);
     }
 
-    /// Finds the places of balls in the order of their heights. Where these are the same to the last bit, as in a row on the floor, as
-    /// many balls come before those on their left as before those on their right: what comes later is stopped on what came before
-    /// it (`carry`), and a heap would drift to one side.
+    /// Finds the places of balls in the order of their heights. Of those that are as high as each other to the last bit, as in a row on
+    /// the floor, every other one comes after both its neighbours: what comes later is stopped on what came before it (`carry`),
+    /// and a heap would drift to one side.
     fn rank(&mut self, bodies: &[Body], up: DVec2) {
         let Self { starts, ranks, ordered, .. } = self;
         let height = |body: &Body| body.position.dot(up);
@@ -55,7 +55,7 @@ impl Heights {
         }
         // By layers first, of one ball each on average.
         let density = if high > low { bodies.len() as f64 / (high - low) } else { 0.0 };
-        let layer = |body: &Body| ((height(body) - low) * density) as usize;
+        let layer = |body: &Body| (((height(body) - low) * density) as usize).min(bodies.len());
         starts.clear();
         starts.resize(bodies.len() + 2, 0);
         for body in bodies {
@@ -68,19 +68,28 @@ impl Heights {
             ordered[*next as usize] = at;
             *next += 1;
         }
-        let side = |at: u32| if at.is_multiple_of(2) { at } else { u32::MAX - at };
         let mut start = 0;
         for &end in &*starts {
             let end = end as usize;
             ordered[start..end].sort_unstable_by(|&one, &other| {
-                let [low, high] = [one, other].map(|at| height(&bodies[at as usize]));
-                low.total_cmp(&high).then(side(one).cmp(&side(other)))
+                let [left, right] = [one, other].map(|at| bodies[at as usize].position);
+                let by_height = left.dot(up).total_cmp(&right.dot(up));
+                by_height.then_with(|| left.perp_dot(up).total_cmp(&right.perp_dot(up))).then(one.cmp(&other))
             });
             start = end;
         }
         ranks.resize(bodies.len(), 0);
-        for (rank, &at) in (0..).zip(&*ordered) {
-            ranks[at as usize] = rank;
+        let mut first = 0;
+        for level in
+            ordered.chunk_by(|&one, &other| height(&bodies[one as usize]) == height(&bodies[other as usize]))
+        {
+            let others = first + level.len().div_ceil(2) as u32;
+            for (number, two) in (0..).zip(level.chunks(2)) {
+                for (&at, rank) in two.iter().zip([first, others]) {
+                    ranks[at as usize] = rank + number;
+                }
+            }
+            first += level.len() as u32;
         }
     }
 }

@@ -108,7 +108,7 @@ impl Contact {
         let met = meet_walls(setting, (&mut body, &rests[at]), &beside, (0.0, false), &mut happens.tally)?;
         let legs = Leg::of(at, &body, time.max(met.time)).after_walls(&bodies[at], &body, &met);
         happens.hit.push((at, body, legs));
-        (!met.landed.any()).then_some(())
+        (met.borne == DVec2::ZERO).then_some(())
     }
 
     /// Adds how two balls meet, if they do: if both fly, far from walls and from others, and apart again, fast.

@@ -79,9 +79,9 @@ impl Contact {
             lifted.extend(wall.squeezed(setting, row).map(|at| (at, wall)));
         }
         if lifted.is_empty() {
-            *tries = 0;
-            // Soon after a wait, none may lie too deep by chance.
-            if *steps >= *until + PATIENCE * substeps.shortest() {
+            // Soon after a wait, or in the midst of tries, none may lie too deep by chance.
+            let idle = std::mem::take(tries) == 0;
+            if idle && *steps >= *until + PATIENCE * substeps.shortest() {
                 *waits = 0;
             }
             return;

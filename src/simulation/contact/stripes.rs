@@ -71,6 +71,8 @@ pub(super) struct Stripe {
     pub(super) distances: Vec<f64>,
     /// What carries the ball that is looked at, and what is above it in a flat wedge.
     pub(super) floors: Vec<Floor>,
+    /// How much each adds to its velocity, where that is found in sweeps.
+    pub(super) added: Vec<f64>,
     /// Bodies asleep that others, awake, press on, or did: then with the impulse that is lost.
     pub(super) disturbed: Vec<(u32, f64)>,
     /// Places of pairs that may meet in a substep.

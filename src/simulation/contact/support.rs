@@ -150,7 +150,10 @@ impl Contact {
             // It does not settle before there is room again.
             Some(near) if near.crowd => Unlike::ALL.map(one),
             near if kick == DVec2::ZERO => {
-                let touched = near.map_or(0, |near| near.touched);
+                // None is known to touch in the first one.
+                let pairs = |near: &Near| near.stripes.iter().map(|stripe| stripe.pairs.len()).sum();
+                let touched =
+                    near.map_or(0, |near| if near.touched > 0 { near.touched } else { pairs(near) });
                 let rounds = affordable(PAIRS_WITHOUT_GRAVITY, touched).clamp(1, ROUNDS_OF_FEW);
                 Unlike::ALL.map(|kind| Sweeps { rounds, enough: firm, ..usual(kind) })
             }
@@ -250,7 +253,7 @@ impl Pass<'_> {
             if setting.kick == DVec2::ZERO {
                 stripe.forget();
             }
-            lay_on_walls(setting, share.fates, &mut stripe.beside);
+            lay_on_walls(share.fates, &mut stripe.beside);
             hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
             stripe.prepare_all(setting, share);
             (stripe.unsettled, stripe.changed) = (true, f64::INFINITY);

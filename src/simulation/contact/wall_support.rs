@@ -28,10 +28,10 @@ pub(super) fn hold_jammed(setting: &Setting, body: &mut Body) {
 }
 
 /// Has walls bear the balls that came to rest on them in this substep.
-pub(super) fn lay_on_walls(setting: &Setting, fates: &[Fate], beside: &mut [Beside]) {
+pub(super) fn lay_on_walls(fates: &[Fate], beside: &mut [Beside]) {
     for beside in beside {
-        let landed = fates[beside.body as usize].landed;
-        beside.push = DVec2::select(landed, -setting.kick, beside.push);
+        let borne = fates[beside.body as usize].borne;
+        beside.push = DVec2::select(borne.cmpne(DVec2::ZERO), borne, beside.push);
     }
 }
 
