@@ -134,9 +134,9 @@ fn stop_on_two<const PASSES_ON: bool>(
     stop::<PASSES_ON>(upper, constraints, bodies, most, both.into_iter().zip(floors).zip(added));
 }
 
-/// Stops a ball among others that are unlike it in density on what these constraints, `its`, are with, one after the other: what a heavy
-/// ball gives light ones that it is wedged between grows only slowly so, and they are not crushed. As each leaves something of those
-/// before, every other ball takes them the other way round.
+/// Stops a ball, where any are unlike in density, on what these constraints, `its`, are with, one after the other: what a heavy ball gives
+/// light ones that it is wedged between grows only slowly so, and fewer are crushed. As each leaves something of those before, every
+/// other ball takes them the other way round.
 fn stop_by_sweeps<const PASSES_ON: bool>(
     upper: usize,
     constraints: &mut [Constraint],

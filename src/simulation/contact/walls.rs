@@ -13,7 +13,7 @@ const BOUNCES: u32 = 32;
 /// A ball whose next hop on a wall lasts less than this part of a substep rests there.
 const SHORTEST_HOP: f64 = 1.0 / 64.0;
 /// The same of one that others press on it, or hold up in part: what presses is known for whole substeps. With a quarter, piles
-/// tremble twice as much.
+/// tremble twice as much. Not on elastic walls, which take no energy.
 const SHORTEST_PRESSED_HOP: f64 = 1.0;
 
 /// When a ball comes to a wall, if it does in this substep, s after its beginning; by its mean velocity.
