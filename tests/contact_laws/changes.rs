@@ -186,6 +186,37 @@ fn what_sleeps_falls_when_what_carries_it_is_taken_away() {
     }
 }
 
+/// They woke a layer in each substep: the top of a column hung in the air for a quarter of a second, and some were thrown.
+#[test]
+fn what_sleeps_on_each_other_falls_as_one_when_the_floor_is_gone() {
+    let column = || {
+        (0..60).map(|at| ball(10.0 + 0.1 * f64::from(at % 2), 1490.0 - 20.0 * f64::from(at), 10.0)).collect()
+    };
+    let of_two =
+        |size: DVec2, balls| simulation(world(size.x, size.y, 0.5).with_gravity(EARTH).unwrap(), balls);
+    let narrow = of_two(DVec2::new(20.1, 1500.0), column());
+    // How much farther or less far than it falls a ball may be after a tenth of a second, as a part of that way: what lay in each other
+    // parts.
+    for (what, mut lying, most) in [("a column", narrow, 0.09), ("a pile", pile(600), 0.35)] {
+        lying.advance(8.0).unwrap();
+        assert_eq!(fastest(&lying), 0.0, "{what}");
+        let from = lying.balls().to_vec();
+        let size = lying.world().size();
+        lying.resize(size + DVec2::new(0.0, 200.0)).unwrap();
+        (0..6).for_each(|_| lying.advance(FRAME).unwrap());
+        let way = 0.5 * EARTH.y * 0.1 * 0.1;
+        let off =
+            lying.balls().iter().zip(&from).map(|(now, then)| now.position().y - then.position().y - way);
+        let off: Vec<f64> = off.map(|off| (off / way).abs()).collect();
+        println!(
+            "{what} {:?} {}",
+            off.iter().copied().fold(0.0, f64::max),
+            off.iter().sum::<f64>() / off.len() as f64
+        );
+        assert!(off.iter().all(|&off| off < most), "{what}: {off:?}");
+    }
+}
+
 #[test]
 fn an_impact_is_counted_once_whatever_is_done_elsewhere_between_frames() {
     for rate in RATES {

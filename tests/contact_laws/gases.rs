@@ -339,3 +339,24 @@ fn crowds_of_unlike_masses_without_gravity_lose_their_energy_as_with_exact() {
     });
     assert!(contact < 2.0 * exact && exact < 2.0 * contact, "{contact}, {exact} with exact");
 }
+
+/// Elastic balls that slide on the floor, or hop on it for less than a substep, so slowly that others of their speed would be held.
+#[test]
+fn elastic_balls_in_a_layer_on_the_floor_keep_their_energy() {
+    for height in [0.0, 0.0034] {
+        let mut random = numbers::random(7);
+        let balls = (0..100).map(|at| {
+            let place = DVec2::new(5.0 + 10.0 * f64::from(at), 496.0 - height * random());
+            moving(ball(place.x, place.y, 4.0), 40.0 * random() - 20.0, 0.0)
+        });
+        let world = world(1000.0, 500.0, 1.0).with_gravity(EARTH).unwrap();
+        let mut layer = simulation(world, balls.collect());
+        let (start, moves) = (energy(&layer), kinetic_energy(layer.balls()));
+        let rise = rise(&mut layer, 600) / moves;
+        let change = (energy(&layer) - start) / moves;
+        assert!(
+            rise < 1e-3 && change.abs() < 3e-3,
+            "from {height} px above: by {rise:e}, {change:e} in the end"
+        );
+    }
+}

@@ -16,7 +16,7 @@ use super::unlike::Crush;
 use super::wake::wake_if_asleep;
 use super::wall_support::any_jams;
 use super::wedges::FLAT_UNDER_SLEEPER;
-use super::{Contact, Setting, can_rest, has_pairs, is_few};
+use super::{Contact, Setting, can_rest, has_pairs, is_few, least_restitution};
 
 impl Contact {
     /// Takes over what it needs to know of a world and its balls together, if it still suits them.
@@ -37,6 +37,7 @@ impl Contact {
             size: world.size,
             gravity,
             kick,
+            least_restitution: least_restitution(balls),
             has_fixed: balls.iter().any(Ball::is_fixed),
             amount: substeps.amount,
             jammed: any_jams(world, balls),

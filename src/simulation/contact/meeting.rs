@@ -197,7 +197,8 @@ pub(super) fn exchange(
         let [sleeper, by] = [&stage.rests[body], &stage.rests[by]];
         let is_loose = || stripes.is_carried_by_walls_alone(body, sleeper, stage.setting.kick);
         if sleeper.asleep && wakes(stage.setting, meeting.speed, e, [sleeper, by], is_loose) {
-            wake_by_hit(body, stage.setting.kick, stage.bodies, stage.rests, stripes);
+            let part = meeting.time / stage.setting.substep;
+            wake_by_hit(body, part, stage.setting, stage.bodies, stage.rests, stripes);
         }
     }
     meeting.exchange(stage.bodies, stage.rests, (i, j), e);

@@ -131,6 +131,8 @@ struct Setting {
     kick: DVec2,
     /// Whether balls can come to rest: there is gravity, or something takes energy.
     can_rest: bool,
+    /// The least restitution of any ball.
+    least_restitution: f64,
     /// Whether any ball is fixed.
     has_fixed: bool,
     /// How many balls can be moved.
@@ -475,9 +477,17 @@ impl Pass<'_> {
 
 /// Whether balls can come to rest.
 pub(super) fn can_rest(world: &World, balls: &[Ball]) -> bool {
-    let takes_energy =
-        world.walls.is_some_and(|e| e < 1.0) || balls.iter().any(|ball| ball.restitution < 1.0);
-    world.gravity.is_some() || takes_energy
+    world.gravity.is_some() || takes_energy(world.walls, least_restitution(balls))
+}
+
+/// Whether walls of this restitution, or balls of which the least has that, take energy where they are hit.
+fn takes_energy(walls: Option<f64>, least_restitution: f64) -> bool {
+    least_restitution < 1.0 || walls.is_some_and(|e| e < 1.0)
+}
+
+/// The least restitution of any ball: where it is 1, they meet each other without loss.
+fn least_restitution(balls: &[Ball]) -> f64 {
+    balls.iter().map(|ball| ball.restitution).fold(1.0, f64::min)
 }
 
 /// Whether there are balls that notice each other.

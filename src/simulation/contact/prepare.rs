@@ -172,7 +172,8 @@ impl Stripe {
             *place = constraints.len() as u32;
             constraints.push(constraint);
         }
-        let held = near && (met || constraint.impulse > 0.0);
+        // Without loss, none that only met rests on the other: it may meet it again, turned back by a third.
+        let held = near && (met && setting.least_restitution < 1.0 || constraint.impulse > 0.0);
         if marks.has(Marks::STILL) && (marks.has(Marks::HELD) || held) {
             for body in [pair.first, pair.second] {
                 if bodies[body as usize].inverse_mass == 0.0 && rests[body as usize].asleep {

@@ -9,7 +9,7 @@
 //! hit as often as it may be and goes on, or where two that are unlike in density come deeper into each other whatever holds them:
 //! nothing else keeps what these hit from going through then. What presses for long on one that has no room may press for ever so;
 //! that one is left to what holds it, now and then, among few only where little comes of that. Of more than few that could crush
-//! each other none is, but all may go a little into each other, and are slowed down where they have had no room for long.
+//! each other none is, but all may go a little into each other. What has had no room for long is slowed down.
 
 use glam::DVec2;
 
@@ -61,10 +61,10 @@ const TOO_DEEP: f64 = 0.05;
 const TOO_DEEP_OF_SOME: f64 = 0.04;
 /// The same of more than some: with 0.04, a third of three thousand, half of them a thousand times as dense, are awake after 40 s.
 const TOO_DEEP_OF_MANY: f64 = 0.12;
-/// Of these, what had no room in so many substeps in a row in which any was looked for is slowed down in each further one, by this
+/// What had no room in so many substeps in a row in which any was looked for is slowed down in each further one, by this
 /// part of how much less far it comes than its velocity would take it: a heavy ball that light ones stop would be ever faster where
-/// it stands. Without that, three times as many piles get a thousandth of their energy back, and those without end take twice the
-/// time.
+/// it stands. Without that, three times as many piles get a thousandth of their energy back, of few three times as many three
+/// thousandths, and those without end take twice the time.
 const HELD_BACK: (u8, f64) = (8, 0.5);
 /// Balls without room try so often to go on: what was in their way may have gone on itself.
 const TURNS: u32 = 4;
@@ -143,7 +143,7 @@ impl Contact {
             let stays = body.position.distance(room.starts[at]) < DEEPEST * body.radius;
             rest.stuck = if room.is_short[at] && stays { rest.stuck.saturating_add(1) } else { 0 };
         }
-        if setting.crush_now() != Crush::Nobody && setting.grounded {
+        if setting.kick != DVec2::ZERO && setting.grounded {
             room.hold_back(setting, bodies, rests);
         }
         if setting.kick != DVec2::ZERO && setting.grounded {

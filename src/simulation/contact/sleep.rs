@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use super::loads::Resting;
 use super::unlike::Unlike;
-use super::{Ball, Body, Contact};
+use super::{Ball, Body, Contact, Setting, takes_energy};
 
 /// Seconds that a ball must have rested for.
 const WINDOW: f64 = 0.5;
@@ -28,6 +28,8 @@ pub(super) const DEEP: f64 = 0.05;
 /// mostly do within five seconds.
 const JAMMED: f64 = 0.1;
 const JAMMED_AFTER: (u8, u8) = (11, 4);
+/// What has come this part of the way that its speed would have taken it since its rest was last looked at has begun to slide.
+const BEGUN: f64 = 0.25;
 /// What swings may be where it was when the window ends, but not after so many eighths of it, too.
 const EIGHTHS: u64 = 3;
 
@@ -88,7 +90,10 @@ impl Rest {
 impl Contact {
     /// Lets balls fall asleep that have rested for a while.
     pub(super) fn fall_asleep(&mut self) {
-        if !self.tuning.sleep || self.setting.kick == DVec2::ZERO {
+        let Setting { kick, least_restitution, walls, .. } = self.setting;
+        // Where nothing takes energy, what moves goes on for ever.
+        let may_rest = kick != DVec2::ZERO && takes_energy(walls, least_restitution);
+        if !self.tuning.sleep || !may_rest {
             return;
         }
         let window = ((WINDOW * f64::from(self.substeps.rate)).ceil() as u64).max(LEAST_WINDOW);
@@ -140,7 +145,9 @@ impl Contact {
         };
         near.link_pairs(bodies.len());
         let stripes = near.all();
-        let slowest = setting.rest_speed * window as f64 / f64::from(substeps.rate);
+        let seconds_looked_at = window as f64 / f64::from(substeps.rate);
+        let slowest = setting.rest_speed * seconds_looked_at;
+        let (elastic, along) = (setting.least_restitution == 1.0, setting.kick.perp().normalize_or_zero());
         let still = |at: usize, body: &Body, rest: &Rest| {
             // One that was hit just now has not gone far either. But one that others squeeze may be hit all the time, and
             // have a velocity that takes it nowhere.
@@ -153,8 +160,14 @@ impl Contact {
                 || (body.position.distance_squared(last) < step * step && !hops);
             let gone = body.position.distance_squared(rest.anchor);
             let drifts = |most: f64| gone >= most * most;
-            // What slides on a wall is slow where gravity is strong, and nothing makes it tremble.
-            let slides = || drifts(slowest) && stripes.is_carried_by_walls_alone(at, rest, setting.kick);
+            // What slides on a wall is slow where gravity is strong, and nothing makes it tremble; it may have begun to just now, and
+            // what goes to and fro between others without loss may be back where it was.
+            let goes = || {
+                let (speed, way) = (body.velocity.dot(along), (body.position - rest.anchor).dot(along));
+                let goes_on = way * speed.signum() > BEGUN * speed.abs() * seconds_looked_at;
+                drifts(slowest) || speed.abs() > setting.rest_speed && (elastic || goes_on)
+            };
+            let slides = || goes() && stripes.is_carried_by_walls_alone(at, rest, setting.kick);
             slow && !(rest.swung || drifts(most_drifts[at]) || slides())
         };
         let looked_at = bodies.iter().zip(&mut *rests).zip(&depths).enumerate();
@@ -215,7 +228,9 @@ mod tests {
 
     /// A ball that lies on the floor, in beats of so many substeps.
     fn lying(count: u32) -> Contact {
-        let balls = [20.0, 60.0].map(|x| Ball::new(DVec2::new(x, 90.0), 10.0).unwrap());
+        let balls = [20.0, 60.0].map(|x| {
+            Ball::new(DVec2::new(x, 90.0), 10.0).and_then(|ball| ball.with_restitution(0.5)).unwrap()
+        });
         let mut contact = Contact::new(&boxed_world(DVec2::splat(100.0)), &balls, TUNING);
         contact.substeps.begin_beat_of(count);
         contact

@@ -23,7 +23,7 @@ use super::sweep::Pass;
 use super::unlike::{Crush, Unlike};
 use super::wall_support::any_jams;
 use super::wedges::FLAT_UNDER_SLEEPER;
-use super::{Contact, Setting, can_rest};
+use super::{Contact, Setting, can_rest, least_restitution};
 
 /// Beats in a second, at least.
 pub(super) const BEATS: u32 = 60;
@@ -207,6 +207,7 @@ impl Setting {
             substep: 0.0,
             kick: DVec2::ZERO,
             can_rest: can_rest(world, balls),
+            least_restitution: least_restitution(balls),
             has_fixed,
             amount: substeps.amount,
             jammed: any_jams(world, balls),

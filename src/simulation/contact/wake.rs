@@ -12,7 +12,7 @@ use super::sleep::Rest;
 use super::stripes::{Holder, Stripes};
 use super::support::{solve, two};
 use super::thrown::THROWN;
-use super::{Body, Contact};
+use super::{Body, Contact, Setting};
 
 /// A ball that has had no rest when this was looked at so often wakes those that hold it.
 const RESTLESS: u32 = 8;
@@ -79,12 +79,15 @@ impl Contact {
             for number in 0..layout.len() {
                 while let Some((body, lost)) = stripes.list[number].disturbed.pop() {
                     let at = layout.start(number) + body as usize;
+                    // What lost a support moves, however hard the others press.
+                    let lost_much = lost * rests[at].counted > LOST * kick.length();
                     if !rests[at].asleep {
+                        if lost_much && stripes.falls(at, rests[at].counted, kick) {
+                            stripes.let_go_of_one(at, bodies, kick);
+                        }
                         continue;
                     }
                     let given = stripes.given(at, rests[at].counted);
-                    // What lost a support moves, however hard the others press.
-                    let lost_much = lost * rests[at].counted > LOST * kick.length();
                     let pressed = if lost_much { 0.0 } else { given.pressed };
                     let (net, kicks) = (given.velocity + kick, kick.length_squared());
                     let slides = net.dot(kick).abs() < CARRIED * kicks
@@ -151,28 +154,51 @@ fn wake(
     bodies[at].inverse_mass = rests[at].counted;
     stripes.weigh_pairs_of(at, bodies);
     let (moves, pressed) = ((given.velocity + kick).length(), given.pressed);
-    let goes_on = moves < THROWN * kick.length() && pressed < SQUEEZED * kick.length();
+    // What falls freely carries nothing any more: what lay on it falls with it.
+    let falls = stripes.falls(at, rests[at].counted, kick);
+    let goes_on = !falls && moves < THROWN * kick.length() && pressed < SQUEEZED * kick.length();
     if !goes_on {
         stripes.let_go_of_one(at, bodies, kick);
     }
     goes_on
 }
 
-/// Wakes a ball that something hits firmly, in the midst of a substep.
+/// Wakes a ball that something hits firmly, at this part of a substep: until then it stood still.
 pub(super) fn wake_by_hit(
     at: usize,
-    kick: DVec2,
+    part: f64,
+    setting: &Setting,
     bodies: &mut [Body],
     rests: &mut [Rest],
     stripes: &mut Stripes<'_>,
 ) {
+    let kick = setting.kick;
     let given = stripes.given(at, rests[at].counted);
     let goes_on = wake(at, &given, kick, bodies, rests, stripes);
-    bodies[at].free = kick;
-    bodies[at].velocity = if goes_on { kick + given.velocity } else { kick };
+    let given = if goes_on { given.velocity } else { DVec2::ZERO };
+    let (body, change) = (&mut bodies[at], kick + given);
+    body.position += 0.5 * change * part * part * setting.substep;
+    body.velocity = change * (0.5 - part);
+    body.free = body.velocity - given;
 }
 
 impl Stripes<'_> {
+    /// Whether next to nothing holds a ball of this inverse mass up, against its weight and all that presses it down: it falls, and
+    /// carries nothing. Its pairs must be linked.
+    fn falls(&self, body: usize, inverse_mass: f64, kick: DVec2) -> bool {
+        let (number, own) = self.layout.place_of(body);
+        let stripe = &self.list[number];
+        let by_walls = stripe.place_beside(own).map(|at| stripe.beside[at].push.dot(kick));
+        let by_others =
+            self.holders(body).map(|holder| holder.impulse * inverse_mass * holder.normal.dot(kick));
+        let (mut up, mut down) = (0.0, kick.length_squared());
+        for push in by_others.chain(by_walls) {
+            up -= push.min(0.0);
+            down += push.max(0.0);
+        }
+        up < LOST * down
+    }
+
     /// Whether nothing but walls carries a ball, and it carries nothing: it is free to slide. Its pairs must be linked.
     pub(super) fn is_carried_by_walls_alone(&self, body: usize, rest: &Rest, kick: DVec2) -> bool {
         let weight = kick.length();
@@ -245,6 +271,28 @@ mod tests {
                 let thrown = (body.velocity - body.free).length();
                 assert!(thrown <= THROWN * kick.length(), "{squeezed}: {thrown}");
             }
+        }
+    }
+
+    #[test]
+    fn what_is_hit_asleep_without_a_support_falls_from_then_on() {
+        let ball = Ball::new(DVec2::new(50.0, 50.0), 10.0).unwrap();
+        for part in [0.0, 0.3, 1.0] {
+            let mut contact = Contact::new(&boxed_world(DVec2::splat(100.0)), &[ball], TUNING);
+            contact.step(&mut Tally::default());
+            let Contact { setting, bodies, rests, near: Some(near), .. } = &mut contact else { panic!() };
+            near.link_pairs(1);
+            rests[0].asleep = true;
+            (bodies[0].inverse_mass, bodies[0].velocity) = (0.0, DVec2::ZERO);
+            let place = bodies[0].position;
+            wake_by_hit(0, part, setting, bodies, rests, &mut near.all());
+            let left = (1.0 - part) * setting.substep;
+            let fallen = bodies[0].end(setting.substep) - place;
+            assert!(fallen.abs_diff_eq(0.5 * setting.gravity * left * left, 1e-12), "{part}: {fallen}");
+            // Through the next substep.
+            let velocity = bodies[0].velocity + bodies[0].change(setting.kick);
+            let law = setting.gravity * (left + 0.5 * setting.substep);
+            assert!(velocity.abs_diff_eq(law, 1e-12), "{part}: {velocity}");
         }
     }
 }

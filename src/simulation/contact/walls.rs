@@ -219,12 +219,29 @@ struct Landed {
 }
 
 impl Hop {
+    /// Takes a ball that is behind the wall to it. How long that takes, s.
+    ///
+    /// One that flies away from the wall has left it since, in a hop too short to be noted: it left it more slowly than it seems to have
+    /// gone behind it.
+    fn rise_to_wall(&mut self) -> f64 {
+        let Self { height, speed, acceleration } = *self;
+        if height >= 0.0 {
+            return 0.0;
+        }
+        self.height = 0.0;
+        if speed <= 0.0 || acceleration >= 0.0 {
+            return 0.0;
+        }
+        self.speed = (speed * speed - 2.0 * acceleration * height).max(0.0).sqrt();
+        (self.speed - speed) / acceleration
+    }
+
     /// Follows the ball for `time` s, a substep or what is left of it, in closed form, through all its bounces, until it would hop for
     /// less than `shortest` s; those slower than `slow`, px/s, hardly move it, and those no faster than `rest_speed` are not counted.
     fn bounce(mut self, time: f64, shortest: f64, (slow, rest_speed): (f64, f64), e: f64) -> Landed {
         let (mut left, mut bounces, mut counted, mut fastest, mut impulse) = (time, 0, 0, 0.0_f64, 0.0);
         let (mut first, mut last) = (f64::INFINITY, 0.0);
-        self.height = self.height.max(0.0);
+        left = (left - self.rise_to_wall()).max(0.0);
         let at = loop {
             let Self { height, speed, acceleration } = self;
             let squared = speed * speed - 2.0 * acceleration * height;
