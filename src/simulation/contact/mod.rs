@@ -35,6 +35,7 @@
 mod abreast;
 mod advance;
 mod amount;
+mod apart;
 mod barred;
 mod body;
 mod carry;

@@ -4,6 +4,7 @@
 use std::collections::BinaryHeap;
 
 use super::super::Tally;
+use super::apart::Apart;
 use super::constraints::{Beside, Constraint, Given, Marks, Pair};
 use super::energy::Account;
 use super::events::Event;
@@ -38,6 +39,8 @@ pub(super) struct Stripe {
     pub(super) places_of_constraints: Vec<u32>,
     /// For each pair, what is known of it.
     pub(super) marks: Vec<Marks>,
+    /// What pushed them apart in the last substep, where sweeps are followed to their end.
+    pub(super) apart: Apart,
     /// What held them before the search.
     pub(super) kept: Kept,
     pub(super) links: Links,
@@ -124,6 +127,7 @@ impl Stripe {
             list.clear();
         }
         self.wedging.clear();
+        self.apart.clear();
         self.ends = [0; Unlike::KINDS];
         close_for.forget();
         carrying_for.forget();

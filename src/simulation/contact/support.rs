@@ -254,6 +254,9 @@ impl Pass<'_> {
                 stripe.forget();
             }
             lay_on_walls(share.fates, &mut stripe.beside);
+            if setting.to_the_end.is_some() {
+                stripe.push_apart_again(share.bodies);
+            }
             hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
             stripe.prepare_all(setting, share);
             (stripe.unsettled, stripe.changed) = (true, f64::INFINITY);
@@ -318,9 +321,12 @@ impl Stripe {
 
     /// Takes the velocities away that moved balls out of overlaps, and brakes what slides.
     fn relax_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
-        let Self { constraints, touching, .. } = self;
+        let Self { constraints, touching, apart, beside, .. } = self;
         let Share { bodies, rests, .. } = share;
         let few = setting.amount == Amount::Few;
+        if setting.to_the_end.is_some() {
+            apart.note_held(constraints, beside, bodies);
+        }
         each(constraints, touching.iter(), bodies, |constraint, first, second| {
             constraint.least = lesser(0.0, constraint.least);
             // Across what presses: neither changes the other.
@@ -343,6 +349,13 @@ impl Stripe {
                 break;
             }
         }
+        self.apart.note_relaxed(&self.constraints, &self.beside);
+    }
+
+    /// Begins with what pushed balls apart in the last substep, too, and was taken back then.
+    fn push_apart_again(&mut self, bodies: &mut [Body]) {
+        let Self { apart, constraints, beside, .. } = self;
+        apart.give(constraints, beside, bodies, 1.0);
     }
 
     /// The pairs of a kind that touch, among those that do.
