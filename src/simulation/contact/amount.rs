@@ -6,7 +6,7 @@ use super::super::invariants::free;
 use super::layout::Layout;
 
 /// So many are few, ...
-pub(super) const FEW: usize = 40;
+pub(super) const FEW: usize = 128;
 /// ... and so many are some.
 pub(super) const SOME: usize = 400;
 

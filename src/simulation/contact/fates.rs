@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::amount::{Amount, FEW};
+use super::amount::Amount;
 use super::meeting::strike;
 use super::sleep::Rest;
 use super::{Body, SHIFT, Setting};
@@ -29,6 +29,7 @@ const FEWEST: u16 = 4;
 /// what each of their impacts costs grows with their pairs.
 pub(super) const DEEP_IN_CROWD: u32 = 8;
 const LOOKS: usize = 64;
+const FEWEST_WORKED_ON: usize = 40;
 /// A ball that goes farther in a substep than so many times its radius is fast.
 const FAST: f64 = 1.0;
 /// Under gravity one that comes from far away and was hit so often is fast as long as it could ram others (`room`): it goes less far
@@ -156,7 +157,7 @@ impl Limits {
         } else {
             ((MOST, MOST_FAR, MOST_FAST), MOST)
         };
-        let looks = LOOKS * worked_on.max(FEW);
+        let looks = LOOKS * worked_on.max(FEWEST_WORKED_ON);
         Self { most, most_far, most_fast, most_by_loss, crowd, looks, exhausted: false, ended: false }
     }
 

@@ -290,16 +290,10 @@ impl Contact {
             let shaken = self.near.as_ref().is_some_and(|near| near.is_shaken(self.bodies.len()));
             let hold_again = if presses && shaken { Pass::HOLD_AGAIN } else { Pass::NOTHING };
             let [carry, hold_again] = self.stop_between(&between, [self.carry(), hold_again]);
-            let passes = [
-                carry,
-                hold_again,
-                Pass::TRAVEL,
-                Pass::RELAX,
-                Pass::RELAX_ON_WALLS,
-                Pass::FIND_THROWN,
-                if self.setting.keeping == Keeping::Nothing { Pass::NOTHING } else { Pass::ADD_UP },
-            ];
-            self.move_on(&passes, 3);
+            let add_up = if self.setting.keeping == Keeping::Nothing { Pass::NOTHING } else { Pass::ADD_UP };
+            let moves = [carry, hold_again, Pass::TRAVEL];
+            let others = self.relaxing().chain([Pass::FIND_THROWN, add_up]);
+            self.move_on(&moves.into_iter().chain(others).collect::<Vec<_>>(), moves.len());
             self.keep_energy();
             self.let_go_of_deep();
             self.let_go_of_thrown();

@@ -346,7 +346,10 @@ mod tests {
         let world = if walls { world.with_walls(0.5).unwrap() } else { world }.with_pairs(Pairs::Impulse);
         let place = |k: u32| DVec2::new(30.0 + 40.0 * f64::from(k / 3), 490.0 - 20.0 * f64::from(k % 3));
         let balls: Vec<_> = (0..60).map(|k| Ball::new(place(k), 10.0).unwrap()).collect();
-        Contact::new(&world, &balls, Tuning { sleep: false, ..TUNING })
+        let mut stacks = Contact::new(&world, &balls, Tuning { sleep: false, ..TUNING });
+        // As if there were more.
+        (stacks.substeps.amount, stacks.setting.amount) = (Amount::Some, Amount::Some);
+        stacks
     }
 
     /// Takes a beat of so many substeps, or of as many as suit; how many these were.

@@ -13,7 +13,7 @@ use std::ops::Range;
 use glam::DVec2;
 
 use super::super::lesser::lesser;
-use super::amount::{Amount, FEW};
+use super::amount::Amount;
 use super::constraints::{Constraint, Pair};
 use super::energy::Keeping;
 use super::layout::Layer;
@@ -32,9 +32,10 @@ const ROUNDS: u32 = 3;
 /// The same where few balls press, and a crash is followed to its end, and so is what a steep wedge bears, a flat arch, or a tube
 /// of unlike balls: sweeps find that slowly, and what is missing would be stored in overlaps, and given back as speed.
 const ROUNDS_OF_FEW: u32 = 300;
-/// The same where few of many like balls press, since the others sleep: what is squeezed between sleepers, which do not give way,
+/// The same where no more than so many pairs of many like balls press, since the others fly, or sleep: what is squeezed between sleepers, which do not give way,
 /// is given more in each sweep, without end, and that would shoot away what it wakes.
 const ROUNDS_AMONG_SLEEPERS: u32 = 40;
+const PAIRS_AMONG_SLEEPERS: usize = 120;
 /// The same of more balls whose masses differ, so that heavy balls come through light ones, and light ones come to rest beside
 /// heavy ones: with 50, more of them are squeezed out with speed from nowhere ...
 const ROUNDS_OF_MIXED: u32 = 16;
@@ -133,6 +134,16 @@ impl Contact {
         }
     }
 
+    /// Takes the velocities away that moved balls out of overlaps: of many in one sweep; where few press, among sleepers, in as many as
+    /// hold them. One that slides into a flat wedge between two sleepers is moved out of it many times as fast as these push it.
+    pub(super) fn relaxing(&self) -> impl Iterator<Item = Pass<'static>> + use<> {
+        let few_press = self.near.as_ref().is_some_and(|near| near.touched <= PAIRS_AMONG_SLEEPERS);
+        let follows = few_press && self.setting.kick != DVec2::ZERO && self.setting.amount > Amount::Few;
+        let again = if follows { ROUNDS_AMONG_SLEEPERS as usize } else { 0 };
+        let more = std::iter::repeat_n([Pass::RELAX_AGAIN, Pass::RELAX_ON_WALLS], again);
+        [Pass::RELAX, Pass::RELAX_ON_WALLS].into_iter().chain(more.flatten())
+    }
+
     /// What suits what presses.
     fn holding(&self) -> Holding {
         let Setting { kick, substep, softness, unlike, amount, .. } = self.setting;
@@ -162,8 +173,7 @@ impl Contact {
                 let sweeps = Unlike::ALL.map(|kind| Sweeps { rounds: ROUNDS_OF_FEW, enough, ..usual(kind) });
                 return Holding { sweeps, to_the_end: true };
             }
-            // As many as few balls may have: the others fly, or sleep.
-            Some(near) if few || near.touched <= 3 * FEW => Unlike::ALL.map(|kind| {
+            Some(near) if few || near.touched <= PAIRS_AMONG_SLEEPERS => Unlike::ALL.map(|kind| {
                 let left = if few { softness.yielding(kind) } else { softness.yielding_of_few(kind) };
                 let rounds = if kind.differs() { ROUNDS_OF_FEW } else { ROUNDS_AMONG_SLEEPERS };
                 Sweeps { rounds, enough: firm, left }
@@ -283,6 +293,18 @@ impl Pass<'_> {
         layers: Layer::OUTWARD,
         only_busy: true,
         work: &|setting, stripe, share| stripe.relax_all(setting, share),
+    };
+
+    /// Once more: what is left of them.
+    const RELAX_AGAIN: Self = Self {
+        layers: Layer::OUTWARD,
+        only_busy: true,
+        work: &|_, stripe, share| {
+            let Stripe { constraints, touching, .. } = stripe;
+            each(constraints, touching.iter(), share.bodies, |constraint, first, second| {
+                solve(constraint, first, second, 1.0);
+            });
+        },
     };
 
     /// The same of what walls gave.

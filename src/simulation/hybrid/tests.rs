@@ -321,8 +321,10 @@ fn more_than_few_balls_that_fall_take_substeps_whenever_they_come() {
     for frames in 0..240 {
         let mut growing = falling_balls(12, 0.8, Solver::Contact);
         growing.advance(f64::from(frames) / 37.0).unwrap();
-        let more = |k: u32| moving(12.0 + 19.0 * f64::from(k), 10.0 + f64::from(k % 3), DVec2::ZERO);
-        growing.add(&(0..30).map(more).collect::<Vec<_>>()).unwrap();
+        let place =
+            |k: u32| DVec2::new(12.0 + 19.0 * f64::from(k % 30), 10.0 + f64::from(22 * (k / 30) + k % 3));
+        let more = |k: u32| moving(place(k).x, place(k).y, DVec2::ZERO);
+        growing.add(&(0..120).map(more).collect::<Vec<_>>()).unwrap();
         assert!(!has_events(&growing), "{frames} frames");
         growing.advance(0.2).unwrap();
         assert!(!has_events(&growing), "{frames} frames");
