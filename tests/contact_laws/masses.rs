@@ -162,7 +162,7 @@ fn unlike_balls_that_fall_into_a_narrow_tube_come_to_rest_in_their_order() {
         let mut tube = simulation(world(width, 2430.0, 0.5).with_gravity(EARTH).unwrap(), balls.collect());
         tube.advance(12.0).unwrap();
         assert_eq!(fastest(&tube), 0.0, "seed {seed}");
-        assert!(overlap(&tube) < 0.03, "seed {seed}: {}", overlap(&tube));
+        assert!(overlap(&tube) < 0.04, "seed {seed}: {}", overlap(&tube));
         let heights: Vec<f64> = tube.balls().iter().map(|ball| -ball.position().y).collect();
         assert!(heights.is_sorted(), "seed {seed}: one has passed another");
     }
