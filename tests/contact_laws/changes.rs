@@ -208,11 +208,6 @@ fn what_sleeps_on_each_other_falls_as_one_when_the_floor_is_gone() {
         let off =
             lying.balls().iter().zip(&from).map(|(now, then)| now.position().y - then.position().y - way);
         let off: Vec<f64> = off.map(|off| (off / way).abs()).collect();
-        println!(
-            "{what} {:?} {}",
-            off.iter().copied().fold(0.0, f64::max),
-            off.iter().sum::<f64>() / off.len() as f64
-        );
         assert!(off.iter().all(|&off| off < most), "{what}: {off:?}");
     }
 }

@@ -16,7 +16,7 @@ use super::unlike::Crush;
 use super::wake::wake_if_asleep;
 use super::wall_support::any_jams;
 use super::wedges::FLAT_UNDER_SLEEPER;
-use super::{Contact, Setting, can_rest, has_pairs, is_few, least_restitution};
+use super::{Contact, Setting, can_rest, has_pairs, is_few, least_restitution, takes_energy};
 
 impl Contact {
     /// Takes over what it needs to know of a world and its balls together, if it still suits them.
@@ -26,6 +26,8 @@ impl Contact {
         if balls.is_empty()
             || has_pairs(world, balls) != self.pairs
             || can_rest(world, balls) != self.setting.can_rest
+            || takes_energy(world.walls, least_restitution(balls))
+                != takes_energy(self.setting.walls, self.setting.least_restitution)
             || (gravity == DVec2::ZERO) != (self.setting.gravity == DVec2::ZERO)
             || self.shown.is_some()
         {

@@ -172,7 +172,7 @@ impl Stripe {
             *place = constraints.len() as u32;
             constraints.push(constraint);
         }
-        // Without loss, none that only met rests on the other: it may meet it again, turned back by a third.
+        // Where all balls meet without loss, none that only met rests on the other: it may meet it again, turned back by a third.
         let held = near && (met && setting.least_restitution < 1.0 || constraint.impulse > 0.0);
         if marks.has(Marks::STILL) && (marks.has(Marks::HELD) || held) {
             for body in [pair.first, pair.second] {

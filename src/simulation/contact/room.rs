@@ -145,8 +145,6 @@ impl Contact {
         }
         if setting.kick != DVec2::ZERO && setting.grounded {
             room.hold_back(setting, bodies, rests);
-        }
-        if setting.kick != DVec2::ZERO && setting.grounded {
             room.pay_for_height(setting, bodies);
         }
     }

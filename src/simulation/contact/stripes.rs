@@ -39,7 +39,7 @@ pub(super) struct Stripe {
     pub(super) places_of_constraints: Vec<u32>,
     /// For each pair, what is known of it.
     pub(super) marks: Vec<Marks>,
-    /// What pushed them apart in the last substep, where sweeps are followed to their end.
+    /// What pushed them apart in the last substep that was no quiet one, where sweeps are followed to their end.
     pub(super) apart: Apart,
     /// What held them before the search.
     pub(super) kept: Kept,

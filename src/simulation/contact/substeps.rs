@@ -258,6 +258,7 @@ impl Contact {
         }
         if let Some(near) = near {
             for stripe in &mut near.stripes {
+                stripe.apart.clear();
                 for constraint in &mut stripe.constraints {
                     constraint.impulse *= ratio;
                     constraint.grip *= ratio;

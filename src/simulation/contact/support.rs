@@ -32,9 +32,10 @@ const ROUNDS: u32 = 3;
 /// The same where few balls press, and a crash is followed to its end, and so is what a steep wedge bears, a flat arch, or a tube
 /// of unlike balls: sweeps find that slowly, and what is missing would be stored in overlaps, and given back as speed.
 const ROUNDS_OF_FEW: u32 = 300;
-/// The same where no more than so many pairs of many like balls press, since the others fly, or sleep: what is squeezed between sleepers, which do not give way,
-/// is given more in each sweep, without end, and that would shoot away what it wakes.
+/// The same where few pairs of many like balls press, since the others fly, or sleep: what is squeezed between sleepers, which do not
+/// give way, is given more in each sweep, without end, and that would shoot away what it wakes.
 const ROUNDS_AMONG_SLEEPERS: u32 = 40;
+/// So many pairs are few.
 const PAIRS_AMONG_SLEEPERS: usize = 120;
 /// The same of more balls whose masses differ, so that heavy balls come through light ones, and light ones come to rest beside
 /// heavy ones: with 50, more of them are squeezed out with speed from nowhere ...
@@ -137,7 +138,8 @@ impl Contact {
     /// Takes the velocities away that moved balls out of overlaps: of many in one sweep; where few press, among sleepers, in as many as
     /// hold them. One that slides into a flat wedge between two sleepers is moved out of it many times as fast as these push it.
     pub(super) fn relaxing(&self) -> impl Iterator<Item = Pass<'static>> + use<> {
-        let few_press = self.near.as_ref().is_some_and(|near| near.touched <= PAIRS_AMONG_SLEEPERS);
+        let touched = self.near.as_ref().map_or(0, |near| near.touched);
+        let few_press = (1..=PAIRS_AMONG_SLEEPERS).contains(&touched) && self.asleep > 0;
         let follows = few_press && self.setting.kick != DVec2::ZERO && self.setting.amount > Amount::Few;
         let again = if follows { ROUNDS_AMONG_SLEEPERS as usize } else { 0 };
         let more = std::iter::repeat_n([Pass::RELAX_AGAIN, Pass::RELAX_ON_WALLS], again);
@@ -265,7 +267,9 @@ impl Pass<'_> {
             }
             lay_on_walls(share.fates, &mut stripe.beside);
             if setting.to_the_end.is_some() {
-                stripe.push_apart_again(share.bodies);
+                stripe.apart.give_again(&mut stripe.constraints, share.bodies, share.fates);
+            } else {
+                stripe.apart.clear();
             }
             hold_on_walls(setting, share.bodies, &mut stripe.beside, Tolerance::NONE);
             stripe.prepare_all(setting, share);
@@ -343,11 +347,11 @@ impl Stripe {
 
     /// Takes the velocities away that moved balls out of overlaps, and brakes what slides.
     fn relax_all(&mut self, setting: &Setting, share: &mut Share<'_>) {
-        let Self { constraints, touching, apart, beside, .. } = self;
+        let Self { constraints, touching, apart, .. } = self;
         let Share { bodies, rests, .. } = share;
         let few = setting.amount == Amount::Few;
         if setting.to_the_end.is_some() {
-            apart.note_held(constraints, beside, bodies);
+            apart.take_back(constraints, bodies);
         }
         each(constraints, touching.iter(), bodies, |constraint, first, second| {
             constraint.least = lesser(0.0, constraint.least);
@@ -371,13 +375,7 @@ impl Stripe {
                 break;
             }
         }
-        self.apart.note_relaxed(&self.constraints, &self.beside);
-    }
-
-    /// Begins with what pushed balls apart in the last substep, too, and was taken back then.
-    fn push_apart_again(&mut self, bodies: &mut [Body]) {
-        let Self { apart, constraints, beside, .. } = self;
-        apart.give(constraints, beside, bodies, 1.0);
+        self.apart.note_relaxed(&self.constraints);
     }
 
     /// The pairs of a kind that touch, among those that do.

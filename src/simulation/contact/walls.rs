@@ -353,4 +353,22 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn what_seems_to_come_from_behind_a_wall_has_left_it_with_the_energy_that_it_has_now() {
+        for (height, speed) in [(-0.5, 60.0), (-1e-3, 12.0), (-2.0, 100.0)] {
+            let mut hop = Hop { height, speed, acceleration: -980.0 };
+            let late = hop.rise_to_wall();
+            assert_eq!(hop.height, 0.0);
+            assert!((hop.speed * hop.speed - speed * speed - 2.0 * 980.0 * height).abs() < 1e-9);
+            let there = height + speed * late - 0.5 * 980.0 * late * late;
+            assert!(late > 0.0 && there.abs() < 1e-12, "{there} px after {late} s");
+        }
+        // One that does not come so far, and one that flies towards the wall, lie on it.
+        for (height, speed) in [(-2.0, 10.0), (-0.5, -60.0)] {
+            let mut hop = Hop { height, speed, acceleration: -980.0 };
+            let late = hop.rise_to_wall();
+            assert!(hop.height == 0.0 && hop.speed <= 0.0 && late >= 0.0, "{hop:?} after {late} s");
+        }
+    }
 }
