@@ -29,6 +29,7 @@ const FEWEST: u16 = 4;
 /// what each of their impacts costs grows with their pairs.
 pub(super) const DEEP_IN_CROWD: u32 = 8;
 const LOOKS: usize = 64;
+/// So many are taken to be there at least.
 const FEWEST_WORKED_ON: usize = 40;
 /// A ball that goes farther in a substep than so many times its radius is fast.
 const FAST: f64 = 1.0;

@@ -14,9 +14,9 @@
 //! 4. what then still presses on something is held by soft constraints without restitution, which start from the last
 //!    substep's impulses (`prepare`, `support`, `wall_support`), and stopped on what carries it, from the ground up (`carry`, `abreast`,
 //!    `wedges`, `floors`); what counts as heavier than it is, and is fast, is slowed down before;
-//! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`);
-//!    those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from gaining energy
-//!    by what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they
+//! 5. balls move, out of overlaps, too, and lose the velocity that took them out of these (`Pass::TRAVEL`, `Pass::RELAX`,
+//!    `apart`); those that would end in others go only as far as there is room (`room`, `barred`, `centre`); they are kept from
+//!    gaining energy by what holds them, unless they lie still, most strictly unlike ones, and those that were put into each other, until they
 //!    have parted (`energy`, `islands`, `parting`), and those that were thrown by what holds them are let go of (`thrown`);
 //! 6. those of a row along a wall that has no room for them are moved off it, with what energy that takes (`rows`);
 //! 7. those that have rested for a while sleep, and those that are not in balance any more wake (`sleep`,
@@ -26,8 +26,9 @@
 //! within one (`edits`, `changes`). Frames take as many of them as their time holds (`advance`); at a frame's end the balls are shown
 //! as they are then (`show`, `legs`).
 //!
-//! Each part works on stripes of neighbouring balls (`layout`, `stripes`), which several threads may share (`team`); passes
-//! that follow each other go through them as caches like it (`sweep`).
+//! What all parts need to know of the world stands in one place (`setting`). Each part works on stripes of neighbouring balls
+//! (`layout`, `stripes`), which several threads may share (`team`); passes that follow each other go through them as caches like it
+//! (`sweep`).
 //!
 //! Velocities are those half-way between two positions (leapfrog), so that a ball at rest has none. Frames evaluate the
 //! substeps and never write back, so the result does not depend on how time is cut into frames.
@@ -68,6 +69,7 @@ mod quiet;
 mod rewind;
 mod room;
 mod rows;
+mod setting;
 mod show;
 mod sleep;
 mod softness;
@@ -87,7 +89,7 @@ mod walls;
 mod wedges;
 mod weights;
 
-use glam::{BVec2, DVec2};
+use glam::DVec2;
 
 use super::ball::Ball;
 use super::clock::Clock;
@@ -105,73 +107,19 @@ use parting::Parting;
 use quiet::Across;
 use room::Room;
 use rows::Rows;
+pub(super) use setting::can_rest;
+use setting::{Setting, least_restitution, takes_energy};
 use show::{Held, Start};
 use sleep::Rest;
-use softness::Softness;
 use substeps::Substeps;
-use support::{Tolerance, give, two};
+use support::{give, two};
 use sweep::{Pass, Share};
 use team::Team;
 use turns::Course;
-use unlike::{Crush, Unlike};
 use wall_support::hold_jammed;
 
 /// A ball that an impact shifts by less than this part of its radius counts as not shifted.
 const SHIFT: f64 = 0.02;
-
-/// What all parts of a substep need to know of the world.
-#[derive(Debug, Clone, Copy)]
-struct Setting {
-    size: DVec2,
-    /// The walls' restitution.
-    walls: Option<f64>,
-    gravity: DVec2,
-    /// The length of a substep, s.
-    substep: f64,
-    /// By what gravity changes a velocity in a substep, px/s.
-    kick: DVec2,
-    /// Whether balls can come to rest: there is gravity, or something takes energy.
-    can_rest: bool,
-    /// The least restitution of any ball.
-    least_restitution: f64,
-    /// Whether any ball is fixed.
-    has_fixed: bool,
-    /// How many balls can be moved.
-    amount: Amount,
-    /// Along which axes any ball that can be moved has no room between walls.
-    jammed: BVec2,
-    /// How flat a wedge under a ball asleep counts as flat, as a cosine (`wedges`); none in deep piles, which come to rest later so.
-    flat_under_sleeper: Option<f64>,
-    /// Whether something may carry balls in this substep that falls with none of them: a fixed one, or a wall near any.
-    grounded: bool,
-    /// The velocity through the substep that all balls have in common, px/s, where nothing carries any: how fast they are
-    /// against that alone counts. Else 0.
-    common: DVec2,
-    /// A pair that holds each other bounces only where it meets faster than this, px/s, and than its load asks for.
-    firm: f64,
-    /// Overlaps are taken away at so many sums of both radii a second, at most.
-    mending: f64,
-    /// Impacts slower than this are not counted, px/s.
-    rest_speed: f64,
-    /// How contacts give way.
-    softness: Softness,
-    /// Whom balls could crush.
-    crush: Crush,
-    /// In what any balls are unlike those around them.
-    unlike: Unlike,
-    /// How what holds balls is kept from giving them energy.
-    keeping: Keeping,
-    /// Where sweeps are followed to their end: what they may change yet when they have settled.
-    to_the_end: Option<Tolerance>,
-}
-
-impl Setting {
-    /// The place of a ball that is nearest to this one, between the walls where there are any.
-    #[inline]
-    fn inside(&self, place: DVec2, radius: f64) -> DVec2 {
-        if self.walls.is_some() { within(place, radius, self.size) } else { place }
-    }
-}
 
 /// The solver.
 #[derive(Debug, Clone)]
@@ -468,21 +416,6 @@ impl Pass<'_> {
             }
         },
     };
-}
-
-/// Whether balls can come to rest.
-pub(super) fn can_rest(world: &World, balls: &[Ball]) -> bool {
-    world.gravity.is_some() || takes_energy(world.walls, least_restitution(balls))
-}
-
-/// Whether walls of this restitution, or balls of which the least has that, take energy where they are hit.
-fn takes_energy(walls: Option<f64>, least_restitution: f64) -> bool {
-    least_restitution < 1.0 || walls.is_some_and(|e| e < 1.0)
-}
-
-/// The least restitution of any ball: where it is 1, they meet each other without loss.
-fn least_restitution(balls: &[Ball]) -> f64 {
-    balls.iter().map(|ball| ball.restitution).fold(1.0, f64::min)
 }
 
 /// Whether there are balls that notice each other.

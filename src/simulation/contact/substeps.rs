@@ -13,17 +13,14 @@ use glam::DVec2;
 use super::super::Tuning;
 use super::super::ball::Ball;
 use super::super::world::World;
+use super::Contact;
 use super::amount::Amount;
 use super::demands::{are_many_of_one_size, lie_deep, middle_radius, shortened, shortened_for};
-use super::energy::Keeping;
 use super::layout::Layer;
 use super::softness::Softness;
 use super::stripes::of_layer;
 use super::sweep::Pass;
-use super::unlike::{Crush, Unlike};
-use super::wall_support::any_jams;
-use super::wedges::FLAT_UNDER_SLEEPER;
-use super::{Contact, Setting, can_rest, least_restitution};
+use super::unlike::Crush;
 
 /// Beats in a second, at least.
 pub(super) const BEATS: u32 = 60;
@@ -49,9 +46,6 @@ pub(super) const CARRIED: [f64; 3] = [100.0, 200.0, 350.0];
 /// falls would be squeezed.
 const AT_REST: u32 = 60;
 
-/// Overlaps are taken away at this many sums of both radii a second at most, and faster where gravity or depth ask for shorter
-/// substeps: what starts in an overlap parts, and is not shot away.
-const MENDING: f64 = 4.0;
 /// A pair that holds each other bounces only where it meets faster than so many kicks of gravity.
 const FIRM: f64 = 2.0;
 
@@ -113,7 +107,7 @@ impl Substeps {
     }
 
     /// How many of them, or of the shortest, there are in a second.
-    fn per_second(&self) -> u32 {
+    pub(super) fn per_second(&self) -> u32 {
         self.shortened.map_or(self.rate, |times| BEATS * times * self.count)
     }
 
@@ -192,46 +186,6 @@ impl Substeps {
 
     fn length_of(&self, count: u32) -> u64 {
         if self.shortened.is_some() { u64::from(PARTS / count) } else { 1 }
-    }
-}
-
-impl Setting {
-    pub(super) fn new(world: &World, balls: &[Ball], substeps: &Substeps, tuning: Tuning) -> Self {
-        let gravity = world.gravity.unwrap_or_default();
-        let has_fixed = balls.iter().any(Ball::is_fixed);
-        let crush = Crush::among(balls);
-        let setting = Self {
-            size: world.size,
-            walls: world.walls,
-            gravity,
-            substep: 0.0,
-            kick: DVec2::ZERO,
-            can_rest: can_rest(world, balls),
-            least_restitution: least_restitution(balls),
-            has_fixed,
-            amount: substeps.amount,
-            jammed: any_jams(world, balls),
-            flat_under_sleeper: (!substeps.is_deep()).then_some(FLAT_UNDER_SLEEPER),
-            grounded: has_fixed || world.walls.is_some(),
-            common: DVec2::ZERO,
-            firm: 0.0,
-            mending: MENDING * (f64::from(substeps.per_second()) / f64::from(BEATS * MOST)).max(1.0),
-            // Without gravity there is no chatter to be left out.
-            rest_speed: if gravity == DVec2::ZERO { 0.0 } else { tuning.rest_speed },
-            softness: substeps.softness(crush),
-            crush,
-            unlike: Unlike::Nothing,
-            keeping: Keeping::Nothing,
-            to_the_end: None,
-        };
-        setting.with_length(substeps)
-    }
-
-    /// The same for substeps of another length.
-    fn with_length(self, substeps: &Substeps) -> Self {
-        let substep = substeps.seconds();
-        let kick = self.gravity * substep;
-        Self { substep, kick, firm: substeps.firm(kick), softness: substeps.softness(self.crush), ..self }
     }
 }
 
