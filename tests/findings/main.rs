@@ -15,3 +15,4 @@ mod sliding_under_strong_gravity;
 mod slow_flight_far_out;
 mod step_in_a_jam;
 mod stopped_at_extreme_speed;
+mod waits_beside_unlike_balls;

@@ -67,6 +67,7 @@ impl Exact {
             carry: Carry::new(
                 hop_time(rest_speed, gravity),
                 world.walls.is_some() || balls.iter().any(Ball::is_fixed),
+                free(balls).count(),
             ),
             propped: Vec::new(),
         };

@@ -27,6 +27,9 @@ pub(super) struct Blow {
     /// Where it began to wait, px, and how fast it was there, px/s.
     position: DVec2,
     velocity: DVec2,
+    /// The same as it goes into the next step: where it was carried straight, its mean velocity, made as much faster or slower as what
+    /// falls. Those that it was carried with kept their distance at these velocities, and still do.
+    onward: Option<DVec2>,
     /// On which axes it rested, a bit each.
     rests: usize,
 }
@@ -82,7 +85,9 @@ impl Exact {
             return false;
         }
         if theirs.waits_in_place() {
-            return !its.waits_in_place() && !its.has(Marks::HELD);
+            // Once: an unlike ball that comes to it each time, and ends that it waits, could do so without end.
+            let may_wait = self.carry.released.binary_search(&slot).is_err();
+            return !its.waits_in_place() && !its.has(Marks::HELD) && may_wait;
         }
         // On a wall neither would go along with the other.
         let fly = its.rests() == 0 && theirs.rests() == 0;
@@ -137,8 +142,9 @@ impl Exact {
     fn note_blow<N: Needs>(&mut self, slot: usize, now: f64) {
         if let Err(at) = self.find_blow(slot) {
             let (position, velocity) = self.true_state::<N>(slot, now);
+            let onward = self.onward::<N>(slot, now);
             let rests = self.marks[slot].rests();
-            self.carry.blows.insert(at, Blow { slot, position, velocity, rests });
+            self.carry.blows.insert(at, Blow { slot, position, velocity, onward, rests });
         }
     }
 
@@ -151,25 +157,29 @@ impl Exact {
     pub(super) fn ends_wait<N: Needs>(&mut self, slot: usize, now: f64) -> bool {
         let Ok(at) = self.find_blow(slot) else { return false };
         let blow = self.carry.blows.remove(at);
-        self.give_back::<N>(blow, now);
+        if let Err(at) = self.carry.released.binary_search(&slot) {
+            self.carry.released.insert(at, slot);
+        }
+        self.give_back::<N>(blow, None, now);
         self.marks[slot].go(Way::Flies);
         true
     }
 
-    /// Gives a ball its own velocity back, on the walls where it rested.
-    fn give_back<N: Needs>(&mut self, blow: Blow, now: f64) {
+    /// Gives a ball this velocity, or its own back, on the walls where it rested.
+    fn give_back<N: Needs>(&mut self, blow: Blow, velocity: Option<DVec2>, now: f64) {
         let (position, _) = self.state::<N>(blow.slot, now);
+        let velocity = velocity.unwrap_or_else(|| blow.velocity_at(position, self.gravity));
         let marks = &mut self.marks[blow.slot];
         marks.rest(blow.rests);
         marks.forget_quick_hits();
-        self.redirect(blow.slot, (position, blow.velocity_at(position, self.gravity)), now);
+        self.redirect(blow.slot, (position, velocity), now);
     }
 
     /// Ends that any wait.
     pub(super) fn end_waits<N: Needs>(&mut self, now: f64) {
         let blows = std::mem::take(&mut self.carry.blows);
         for &blow in &blows {
-            self.give_back::<N>(blow, now);
+            self.give_back::<N>(blow, None, now);
             self.marks[blow.slot].go(Way::Flies);
         }
         for blow in blows {
@@ -186,7 +196,8 @@ impl Exact {
     /// Gives what waits its own velocity when a step begins, which then takes all blows at once.
     pub(super) fn take_blows<N: Needs>(&mut self, now: f64) {
         for at in 0..self.carry.blows.len() {
-            self.give_back::<N>(self.carry.blows[at], now);
+            let blow = self.carry.blows[at];
+            self.give_back::<N>(blow, blow.onward, now);
         }
     }
 

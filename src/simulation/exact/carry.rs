@@ -9,7 +9,8 @@
 //! These are *mean* velocities, from one step to the next. The flight from here to there is the parabola over that chord,
 //! which begins slower by half of what gravity gives in a step: so what is carried has the acceleration of all that flies, and
 //! they meet where straight lines do. It hops by an eighth of g times the square of the step, as what lies on others does else.
-//! What is jammed (see `headway`) has no room for that, and goes along the chord itself.
+//! Many, whose steps last longer, would hop too far; and what is jammed (see `headway`) has no room for that. They go along the chord
+//! itself.
 
 use glam::DVec2;
 
@@ -25,8 +26,11 @@ use super::headway::Headway;
 use super::settle::{LIFTED, STEPS_PER_EVENT};
 use super::{Exact, Needs};
 
-/// Steps while a hop at the rest speed lasts: what is carried hops at half of it.
+/// Steps while a hop at the rest speed lasts, where no more balls than this can be carried: they hop at half of it.
 const STEPS_PER_HOP: f64 = 2.0;
+const FEW: f64 = 100.0;
+/// The steps of more take longer to find, and last as many times as long as these are more, up to so many times.
+const LONGEST_STEP: f64 = 4.0;
 /// Groups of so many at least are carried. Few have few impacts, which are right one by one, but for those
 /// that hits come to without end: where balls fit between walls to the last digit.
 const FEWEST: usize = 24;
@@ -40,6 +44,8 @@ pub(super) struct Carry {
     rate: u32,
     /// Whether a wall, or a fixed ball, may carry any.
     grounded: bool,
+    /// How many times as long as that of few a step lasts.
+    longer: f64,
     /// When the next step is, where one is called for.
     next: Option<Clock>,
     /// Whether whoever takes events does not know of it yet.
@@ -49,29 +55,44 @@ pub(super) struct Carry {
     pub(super) headway: Headway,
     /// What waits for the next step, in the order of slots.
     pub(super) blows: Vec<Blow>,
+    /// The slots of what has waited for it, and does no more, in their order.
+    pub(super) released: Vec<usize>,
 }
 
 /// A contact: the slot of a ball, and that of the other, or a number for a wall that no slot has.
 pub(super) type Key = (u32, u32);
 
 impl Carry {
-    /// Nothing is carried. A hop at the rest speed lasts so long, s.
-    pub(super) fn new(hop_time: f64, grounded: bool) -> Self {
-        let rate = (STEPS_PER_HOP / hop_time).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
+    /// Nothing is carried, but so many balls could be. A hop at the rest speed lasts so long, s.
+    pub(super) fn new(hop_time: f64, grounded: bool, balls: usize) -> Self {
+        let longer = if grounded { (balls as f64 / FEW).clamp(1.0, LONGEST_STEP) } else { 1.0 };
+        let rate = (STEPS_PER_HOP / (longer * hop_time)).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
         Self {
             rate,
             grounded,
+            longer,
             next: None,
             is_new: false,
             pushes: Vec::new(),
             headway: Headway::default(),
             blows: Vec::new(),
+            released: Vec::new(),
         }
     }
 
     /// How long a step is, s.
     pub(super) fn step(&self) -> f64 {
         f64::from(self.rate).recip()
+    }
+
+    /// How many times as long as that of few a step lasts.
+    pub(super) fn longer(&self) -> f64 {
+        self.longer
+    }
+
+    /// Whether what is carried goes straight, however much room it has.
+    pub(super) fn goes_straight(&self) -> bool {
+        self.longer > 1.0
     }
 
     /// When the next step is, if it is not later than this.
@@ -94,6 +115,7 @@ impl Carry {
     /// Begins a step: there is no next one yet.
     fn begin_step(&mut self) {
         self.headway.begin_step();
+        self.released.clear();
         self.next = None;
     }
 
@@ -144,7 +166,7 @@ impl Exact {
 
     /// Whether its velocity is a mean one, from which its flight goes off. Where nothing carries any ball from below they fall together,
     /// and each flight is what it seems: else they would not keep their momentum.
-    fn goes_off(&self, slot: usize) -> bool {
+    pub(super) fn goes_off(&self, slot: usize) -> bool {
         self.carry.grounded && self.is_carried(slot)
     }
 
@@ -154,16 +176,51 @@ impl Exact {
     }
 
     /// A ball's velocity where that of its flight is this, so long after the middle of a step. That of one that goes off is
-    /// its mean one, made as much faster or slower as it has fallen or risen since: all balls together neither gain nor lose
-    /// energy within a step.
+    /// its mean one, made as much faster or slower as it has fallen or risen since: it neither gains nor loses energy within a step, if
+    /// it is not so slow that this would take more than it has.
     pub(super) fn true_velocity(&self, slot: usize, velocity: DVec2, since_middle: f64) -> DVec2 {
         if !self.goes_off(slot) {
             return velocity;
         }
         let mean = velocity - self.marks[slot].accelerated_part(self.gravity) * since_middle;
         let square = mean.length_squared();
-        let gained = 2.0 * since_middle * self.gravity.dot(mean);
+        let gained = self.gained(mean, since_middle);
         if square == 0.0 { mean } else { mean * (1.0 + gained / square).max(0.0).sqrt() }
+    }
+
+    /// The square of what [`true_velocity`](Self::true_velocity) makes of a ball's velocity, if that goes straight, or of this: below 0 where
+    /// that is so slow that it has risen by more than it could.
+    pub(super) fn true_square(&self, slot: usize, velocity: DVec2, since_middle: f64) -> f64 {
+        let straight = self.goes_off(slot) && self.marks[slot].has(Marks::STRAIGHT);
+        velocity.length_squared() + if straight { self.gained(velocity, since_middle) } else { 0.0 }
+    }
+
+    /// With what velocity a ball goes into the next step that waits from now on, where it goes straight so far, and off.
+    pub(super) fn onward<N: Needs>(&self, slot: usize, now: f64) -> Option<DVec2> {
+        let straight = self.goes_off(slot) && self.marks[slot].has(Marks::STRAIGHT);
+        straight.then(|| self.state::<N>(slot, now).1 + self.gravity * self.since_middle(now))
+    }
+
+    /// By how much the square of a mean velocity has grown since the middle of a step, as the ball has fallen: where it is so slow that it
+    /// has risen by more than it could, it has lost more than there was.
+    fn gained(&self, mean: DVec2, since_middle: f64) -> f64 {
+        2.0 * since_middle * self.gravity.dot(mean)
+    }
+
+    /// The part of its speed with which what goes off is shown now: where it goes straight, what slow balls have risen by others have
+    /// given them, which all together are shown with as much less energy.
+    pub(super) fn shown_part<N: Needs>(&self, now: f64) -> f64 {
+        if !self.carry.goes_straight() || self.carry.next.is_none() {
+            return 1.0;
+        }
+        let (mut given, mut all, since_middle) = (0.0, 0.0, self.since_middle(now));
+        for slot in (0..self.flights.len()).filter(|&slot| self.goes_off(slot)) {
+            let square = self.true_square(slot, self.flights[slot].velocity, since_middle);
+            let mass = self.matter::<N>(slot).mass;
+            given += mass * (-square).max(0.0);
+            all += mass * square.max(0.0);
+        }
+        if given > 0.0 { (1.0 - given / all.max(given)).sqrt() } else { 1.0 }
     }
 
     /// The velocity of the flight of a ball that has this one, and is carried from now on, so long after the middle of a step: what
@@ -174,8 +231,8 @@ impl Exact {
         }
         let direction = velocity.normalize_or_zero();
         let along = since_middle * self.gravity.dot(direction);
-        let mean = (along * along + velocity.length_squared()).sqrt() - along;
-        direction * mean + self.gravity * since_middle
+        let mean = direction * ((along * along + velocity.length_squared()).sqrt() - along);
+        if self.carry.goes_straight() { mean } else { mean + self.gravity * since_middle }
     }
 
     /// Position and velocity of a ball now, where that of one that is carried is the one that it has.
@@ -294,8 +351,8 @@ impl Exact {
 
     /// Lets a group's balls set out with their new velocities, or holds them.
     fn carry_on<N: Needs>(&mut self, group: &Group, now: f64) {
-        let (pushed, many, straight) =
-            (group.pushed(), group.is_of_many(), self.carry.headway.is_jammed(group));
+        let (pushed, many) = (group.pushed(), group.is_of_many());
+        let straight = self.carry.goes_straight() || self.carry.headway.is_jammed(group);
         let half_kick = self.gravity * (0.5 * self.carry.step());
         let each = group.members.iter().zip(&group.velocities).zip(pushed);
         let mut changed = Vec::new();
@@ -381,5 +438,23 @@ impl Exact {
         let flight = &mut self.flights[slot];
         (flight.position, flight.velocity, flight.time) = (position, velocity, now);
         self.marks[slot].set(Marks::STRUCK, true);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_of_up_to_a_hundred_hop_at_half_the_rest_speed_and_those_of_more_are_longer_up_to_four_times() {
+        let hop = 1.0 / 512.0;
+        let carry = |grounded, balls| Carry::new(hop, grounded, balls);
+        for (balls, rate) in [(0, 1024), (100, 1024), (200, 512), (400, 256), (100_000, 256)] {
+            let carry = carry(true, balls);
+            assert_eq!((carry.rate, carry.goes_straight()), (rate, balls > 100), "{balls} balls");
+            assert_eq!(carry.longer() * f64::from(carry.rate), 1024.0);
+        }
+        // A cloud that nothing carries keeps its momentum only as it falls.
+        assert_eq!((carry(false, 400).rate, carry(false, 400).goes_straight()), (1024, false));
     }
 }

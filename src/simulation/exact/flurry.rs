@@ -35,6 +35,9 @@ const GETS_ON: f64 = 1e-3;
 const MARGIN: f64 = 1e-2;
 /// In so many sweeps at most, and, where there is no room for that margin, so many without it.
 const MOST_SWEEPS: usize = 100;
+/// What goes straight waits in place where what takes the approach gives it more energy than this part of that of its mass at the rest
+/// speed, twice.
+const MOST_GAINED: f64 = 0.05;
 /// Any group waits in place for the next step after so many flurries of one of its balls since the last one, ...
 const MOST_FLURRIES: u32 = 12;
 /// ... and one of many after so many: exact fits would have more and more of them.
@@ -92,13 +95,31 @@ impl Exact {
         let kicks: Vec<DVec2> =
             group.members.iter().map(|member| self.marks[member.slot].accelerated_part(half_kick)).collect();
         group.velocities.iter_mut().zip(&kicks).for_each(|(velocity, kick)| *velocity += *kick);
+        let before = group.velocities.clone();
         let Some((fastest, by_walls)) = self.take_flurry(&mut group, left, &kicks) else { return };
+        if self.gained_by(&group, &before, now)
+            > MOST_GAINED * group.mass() * self.rest_speed * self.rest_speed
+        {
+            return self.wait_in_place::<N>(&group, now);
+        }
         tally.wall_impulse += by_walls;
         if fastest > GETS_ON * self.rest_speed {
             self.at_once = 0;
         }
         group.velocities.iter_mut().zip(&kicks).for_each(|(velocity, kick)| *velocity -= *kick);
         self.go_on_after_flurry::<N>(&group, now);
+    }
+
+    /// Twice the energy that a group's balls gain as their velocities change from these, where those of some are mean ones: as much as these
+    /// take from it, less what an impulse that lifts them early in a step gives.
+    fn gained_by(&self, group: &Group, before: &[DVec2], now: f64) -> f64 {
+        let since_middle = self.since_middle(now);
+        let each = group.members.iter().zip(before).zip(&group.velocities).zip(&group.inverse_masses);
+        each.map(|(((member, before), after), inverse_mass)| {
+            let square = |velocity: DVec2| self.true_square(member.slot, velocity, since_middle);
+            (square(*after) - square(*before)) / inverse_mass
+        })
+        .sum()
     }
 
     /// Takes from a group's velocities what lets its members meet in the time that is left, s. Returns their fastest approach, and the

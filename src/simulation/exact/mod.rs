@@ -183,6 +183,7 @@ impl Exact {
         let now = self.clock.shown_since(self.origin).max(self.latest);
         let lean = LEAN * self.chatter_time;
         let since_middle = self.since_middle(now);
+        let part = if N::HOLDS { self.shown_part::<N>(now) } else { 1.0 };
         for &(_, prop) in &self.propped {
             self.marks[prop as usize].set(Marks::HIT, true);
         }
@@ -196,11 +197,11 @@ impl Exact {
                 flight.straight(now)
             };
             if N::HOLDS {
-                ball.velocity = if marks.has(Marks::WAITS) {
-                    self.own_velocity(slot, ball.position)
-                } else {
-                    self.true_velocity(slot, ball.velocity, since_middle)
-                };
+                if marks.has(Marks::WAITS) {
+                    ball.velocity = self.own_velocity(slot, ball.position);
+                } else if self.goes_off(slot) {
+                    ball.velocity = self.true_velocity(slot, ball.velocity, since_middle) * part;
+                }
             }
             // What is held, or has no room, rests along both axes.
             let leans = marks.has(Marks::LEANS) && (marks.rests() == 3 || now - flight.time < lean);

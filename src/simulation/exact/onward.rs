@@ -3,9 +3,9 @@
 use glam::DVec2;
 
 use super::carry::key;
-use super::contacts::Contact;
+use super::contacts::{Contact, Support};
 use super::flights::Marks;
-use super::group::Group;
+use super::group::{Group, Member};
 use super::settle::FIRM;
 use super::sweeps::Enough;
 use super::{Exact, Needs};
@@ -13,8 +13,12 @@ use super::{Exact, Needs};
 /// The part of what is between two balls that is left after a step at least.
 const KEPT_APART: f64 = 0.5;
 /// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: the nearer they are, the
-/// more often they hit each other once a blow has made them faster, and the farther, the more is a crowd lifted.
+/// more often they hit each other once a blow has made them faster, and the farther, the more is a crowd lifted. A smaller part of longer
+/// steps: so many are lifted no farther than what falls in a step is longer.
 const APART: f64 = 0.01;
+/// The part that counts of the acceleration with which two that go round each other part: until the step ends they may go round
+/// each other more slowly.
+const ROUND: f64 = 0.8;
 /// The energy that contacts give at most to balls that are to part, as a part of that of their mass at the rest speed, twice, beside
 /// what it takes to lift as many layers as they lie in. They give a few thousandths, and where there is no room a thousand times as much
 /// as all.
@@ -25,8 +29,8 @@ const PRECISION: f64 = 1e-4;
 const CLOSES: f64 = 0.4;
 /// Among many, how much faster than they are to balls may part, as a part of what gravity gives in a step.
 const FASTER: f64 = 0.1;
-/// Among many, that is enough after so many sweeps.
-const MOST_SWEEPS: usize = 100;
+/// Among many, that is enough after so many sweeps, and as many more as steps are times as long.
+const MOST_SWEEPS: f64 = 50.0;
 /// A crowd of many swings before it comes to rest, and its balls close what is between them only now and then: those that are so many
 /// times as far from each other as what touches may hold each other.
 const SWINGS: f64 = 10.0;
@@ -34,6 +38,17 @@ const SWINGS: f64 = 10.0;
 const STEPS_PER_SEARCH: u64 = 8;
 /// Steps from one try to part where there is no room to the next.
 const STEPS_PER_PARTING: u64 = 16;
+
+/// How fast two may approach each other at first, px/s, that are to come no nearer than by this, px, in this time, s, and part with this
+/// acceleration meanwhile.
+fn fastest_approach(closes: f64, around: f64, time: f64) -> f64 {
+    if closes <= 0.0 {
+        return closes / time;
+    }
+    // So fast they turn back just there, or do not until then.
+    let turns_back = (2.0 * around * closes).sqrt();
+    if turns_back < around * time { turns_back } else { closes / time + 0.5 * around * time }
+}
 
 impl Exact {
     /// In how many layers a group's balls lie, about.
@@ -51,15 +66,18 @@ impl Exact {
     pub(super) fn find_velocities<N: Needs>(&mut self, group: &mut Group, now: f64) -> Option<DVec2> {
         let step = self.carry.step();
         let gravity = self.gravity.length();
-        let (apart, kick) = (APART * gravity * step * step, gravity * step);
+        let (longer, kick) = (self.carry.longer(), gravity * step);
+        let apart = APART * gravity * step * step / longer;
         let enough = Enough {
             slower: PRECISION * kick,
             closing: CLOSES / step,
             faster: FASTER * kick,
             dead: 0.0,
-            most_sweeps: MOST_SWEEPS,
+            most_sweeps: (MOST_SWEEPS * (1.0 + longer)) as usize,
         };
         let kicked = group.velocities.clone();
+        let around = |contact: &Contact| self.acceleration_around(&group.members, contact, &kicked);
+        let around: Vec<f64> = group.contacts.iter().map(around).collect();
         let lifts = gravity * apart * self.layers::<N>(group);
         let most_given = group.mass() * (MOST_GIVEN * self.rest_speed * self.rest_speed + lifts);
         // Where there was no room a moment ago there is none.
@@ -71,8 +89,9 @@ impl Exact {
                 continue;
             }
             group.velocities.clone_from(&kicked);
-            for contact in &mut group.contacts {
-                let least = ((1.0 - KEPT_APART) * (apart - contact.gap) / step).min(0.5 * self.rest_speed);
+            for (contact, around) in group.contacts.iter_mut().zip(&around) {
+                let closes = (1.0 - KEPT_APART) * (contact.gap - apart);
+                let least = (-fastest_approach(closes, *around, step)).min(0.5 * self.rest_speed);
                 contact.least = if part { least } else { least.min(0.0) };
                 let rebounds = rebound.then(|| self.rebound::<N>(&group.members, contact, &kicked)).flatten();
                 contact.least = rebounds.map_or(contact.least, |speed| contact.least.max(speed));
@@ -99,6 +118,21 @@ impl Exact {
         }
         group.velocities = kicked;
         None
+    }
+
+    /// How fast two part that go round each other, as much of it as counts, px/s², where they go straight: so what rolls over another one is
+    /// lifted off it by no more than it takes.
+    fn acceleration_around(&self, members: &[Member], contact: &Contact, velocities: &[DVec2]) -> f64 {
+        if !self.carry.goes_straight() {
+            return 0.0;
+        }
+        let (place, velocity) = match contact.against {
+            Support::Wall => return 0.0,
+            Support::Member(other) => (members[other].position, velocities[other]),
+            Support::Immovable(slot) => (self.flights[slot].position, DVec2::ZERO),
+        };
+        let along = (velocities[contact.one] - velocity).perp_dot(contact.normal);
+        ROUND * along * along / members[contact.one].position.distance(place)
     }
 
     /// Chooses the members of a group that are held from now on, by how their velocities changed, and now and then, since what
@@ -145,5 +179,42 @@ impl Exact {
     /// How near balls are that hold each other while a crowd of many swings, px.
     pub(super) fn swing_distance(&self) -> f64 {
         SWINGS * self.touch_distance()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Two balls on straight ways: the one stands, and the other comes from `gap` px off it, across at `along` px/s.
+        #[test]
+        fn what_goes_round_another_as_fast_as_it_may_comes_no_nearer_than_that_and_no_farther_off_than_without(
+            reach in 1.0..100.0_f64,
+            gap in 1e-6..0.1_f64,
+            along in 0.0..500.0_f64,
+            time in 1e-4..5e-3_f64,
+        ) {
+            let distance = reach + gap;
+            let around = along * along / distance;
+            let closes = 0.5 * gap;
+            let approach = fastest_approach(closes, around, time);
+            let at = |after: f64| DVec2::new(distance - approach * after, along * after).length();
+            let nearest = (0..=1000).map(|part| at(f64::from(part) * 1e-3 * time)).fold(f64::INFINITY, f64::min);
+            // To first order in the way across over the distance.
+            let off = (along * time / distance).powi(2);
+            prop_assume!(off < 0.05);
+            prop_assert!(distance - nearest <= closes * (1.0 + off) + 1e-12, "{} px of {closes}", distance - nearest);
+            let straight = DVec2::new(distance - closes, along * time).length();
+            prop_assert!(at(time) <= straight + 1e-12, "{} px off, not {straight}", at(time));
+        }
+    }
+
+    #[test]
+    fn what_parts_already_may_approach_each_other_no_faster_for_going_round() {
+        assert_eq!(fastest_approach(-0.5, 100.0, 0.25), -2.0);
+        assert_eq!(fastest_approach(0.5, 0.0, 0.25), 2.0);
     }
 }

@@ -140,7 +140,9 @@ impl Exact {
                 self.marks[slot].set(Marks::HIT, true);
             }
             let mut velocity = if stays { DVec2::ZERO } else { self.lift_off(slot, velocity) };
-            if carry && !stays && self.marks[slot].rests() == 0 {
+            // On the walls that it may rest on at first it is not carried.
+            let goes_off = carry && !stays && self.marks[slot].rests() == 0;
+            if goes_off {
                 velocity = self.carried_velocity(velocity, self.since_middle(now));
             }
             self.set_out(slot, (position, velocity), now);
@@ -149,6 +151,7 @@ impl Exact {
                 (false, true) => Way::Carried,
                 (false, false) => Way::Flies,
             });
+            self.marks[slot].set(Marks::STRAIGHT, goes_off && self.carry.goes_straight());
             self.foresee::<N>(slot, now);
         }
     }
