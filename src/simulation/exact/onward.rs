@@ -13,9 +13,10 @@ use super::{Exact, Needs};
 /// The part of what is between two balls that is left after a step at least.
 const KEPT_APART: f64 = 0.5;
 /// How far balls that are carried are kept from each other, as a part of how far one falls in a step, twice: the nearer they are, the
-/// more often they hit each other once a blow has made them faster, and the farther, the more is a crowd lifted. A smaller part of longer
-/// steps: so many are lifted no farther than what falls in a step is longer.
+/// more often they hit each other once a blow has made them faster, and the farther, the more is a crowd lifted.
 const APART: f64 = 0.01;
+/// The same of those that go straight, and whose steps are longer, over how many times as long: they hop over nothing.
+const APART_STRAIGHT: f64 = 0.005;
 /// The part that counts of the acceleration with which two that go round each other part: until the step ends they may go round
 /// each other more slowly.
 const ROUND: f64 = 0.8;
@@ -67,7 +68,8 @@ impl Exact {
         let step = self.carry.step();
         let gravity = self.gravity.length();
         let (longer, kick) = (self.carry.longer(), gravity * step);
-        let apart = APART * gravity * step * step / longer;
+        let part = if self.carry.goes_straight() { APART_STRAIGHT / longer } else { APART };
+        let apart = part * gravity * step * step;
         let enough = Enough {
             slower: PRECISION * kick,
             closing: CLOSES / step,
