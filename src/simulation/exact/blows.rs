@@ -7,8 +7,8 @@
 //! loses energy, unless it is slower than what it hops. Against the heap that holds what it hits it rebounds as against one body.
 //!
 //! A whole group waits *in place* where its flurries of hits were too many since the last step, or where it chatters and the next step
-//! finds out in less time what becomes of it. It stands still, and so does, until then, what comes to it: there are no hits among what
-//! waits so. No time passes for it meanwhile: that must not go on from step to step (`headway`).
+//! finds out in less time what becomes of it. It stands still, and so does, until then, what comes to it, if it has not waited before in
+//! the same step: there are no hits among what waits so. No time passes for it meanwhile: that must not go on from step to step (`headway`).
 
 use glam::DVec2;
 
@@ -171,6 +171,8 @@ impl Exact {
         let velocity = velocity.unwrap_or_else(|| blow.velocity_at(position, self.gravity));
         let marks = &mut self.marks[blow.slot];
         marks.rest(blow.rests);
+        // So did only what it went along with.
+        marks.set(Marks::STRAIGHT, false);
         marks.forget_quick_hits();
         self.redirect(blow.slot, (position, velocity), now);
     }
@@ -198,6 +200,15 @@ impl Exact {
         for at in 0..self.carry.blows.len() {
             let blow = self.carry.blows[at];
             self.give_back::<N>(blow, blow.onward, now);
+        }
+    }
+
+    /// Gives what goes into a step with another velocity its own back, where it is left alone there.
+    pub(super) fn give_own_back<N: Needs>(&mut self, slot: usize, now: f64) {
+        if let Ok(at) = self.find_blow(slot)
+            && self.carry.blows[at].onward.is_some()
+        {
+            self.give_back::<N>(self.carry.blows[at], None, now);
         }
     }
 

@@ -170,6 +170,11 @@ impl Exact {
         self.carry.grounded && self.is_carried(slot)
     }
 
+    /// The same of one that goes along a straight line.
+    fn goes_off_straight(&self, slot: usize) -> bool {
+        self.goes_off(slot) && self.marks[slot].has(Marks::STRAIGHT)
+    }
+
     /// How long after the middle of a step a time is, s.
     pub(super) fn since_middle(&self, now: f64) -> f64 {
         self.carry.next_since(self.origin).map_or(0.0, |next| 0.5 * self.carry.step() - (next - now))
@@ -191,14 +196,14 @@ impl Exact {
     /// The square of what [`true_velocity`](Self::true_velocity) makes of a ball's velocity, if that goes straight, or of this: below 0 where
     /// that is so slow that it has risen by more than it could.
     pub(super) fn true_square(&self, slot: usize, velocity: DVec2, since_middle: f64) -> f64 {
-        let straight = self.goes_off(slot) && self.marks[slot].has(Marks::STRAIGHT);
-        velocity.length_squared() + if straight { self.gained(velocity, since_middle) } else { 0.0 }
+        let gained = if self.goes_off_straight(slot) { self.gained(velocity, since_middle) } else { 0.0 };
+        velocity.length_squared() + gained
     }
 
     /// With what velocity a ball goes into the next step that waits from now on, where it goes straight so far, and off.
     pub(super) fn onward<N: Needs>(&self, slot: usize, now: f64) -> Option<DVec2> {
-        let straight = self.goes_off(slot) && self.marks[slot].has(Marks::STRAIGHT);
-        straight.then(|| self.state::<N>(slot, now).1 + self.gravity * self.since_middle(now))
+        self.goes_off_straight(slot)
+            .then(|| self.state::<N>(slot, now).1 + self.gravity * self.since_middle(now))
     }
 
     /// By how much the square of a mean velocity has grown since the middle of a step, as the ball has fallen: where it is so slow that it
@@ -208,7 +213,7 @@ impl Exact {
     }
 
     /// The part of its speed with which what goes off is shown now: where it goes straight, what slow balls have risen by others have
-    /// given them, which all together are shown with as much less energy.
+    /// given them, which all together are shown with as much less energy. Flights and impacts do not know of it.
     pub(super) fn shown_part<N: Needs>(&self, now: f64) -> f64 {
         if !self.carry.goes_straight() || self.carry.next.is_none() {
             return 1.0;
@@ -341,7 +346,7 @@ impl Exact {
         let kick = self.gravity * self.carry.step();
         let each = group.members.iter().zip(&mut group.velocities);
         each.map(|(member, velocity)| {
-            // What stands on a wall does not hop there.
+            // What stands on a wall, or goes straight, does not hop.
             let mean = *velocity - 0.5 * self.marks[member.slot].accelerated_part(kick);
             *velocity = mean + kick;
             mean
@@ -405,16 +410,21 @@ impl Exact {
 
     /// Leaves a group to its impacts, and returns one of its balls that has chattered for long, for `settle`, if any has.
     fn leave_alone<N: Needs>(&mut self, group: &Group, now: f64) -> Option<usize> {
+        let half_step = 0.5 * self.carry.step();
         for &Member { slot, .. } in &group.members {
+            self.give_own_back::<N>(slot, now);
             let straight = self.marks[slot].has(Marks::STRAIGHT);
+            let (position, velocity) = self.state::<N>(slot, now);
             if self.is_carried(slot) || straight {
-                let (position, velocity) = self.state::<N>(slot, now);
-                let half_kick = self.gravity * (0.5 * self.carry.step());
+                let half_kick = self.gravity * half_step;
                 let mean = velocity - self.marks[slot].accelerated_part(half_kick);
                 // So slow is only what velocities are wrong by.
                 let is_slow = self.carry.grounded && mean.length() < LIFTED * self.rest_speed;
-                if is_slow || straight {
-                    let mean = if is_slow { DVec2::ZERO } else { mean };
+                let mean = if is_slow { DVec2::ZERO } else { mean };
+                if self.carry.goes_straight() && self.goes_off_straight(slot) {
+                    // It has not hopped.
+                    self.redirect(slot, (position, self.true_velocity(slot, mean, half_step)), now);
+                } else if is_slow || straight {
                     let velocity = self.marks[slot].free_part(mean + half_kick);
                     self.redirect(slot, (position, velocity), now);
                 }

@@ -160,7 +160,7 @@ impl Marks {
     pub(super) const WAITS: Self = Self(1 << 22);
     /// It was of a group of many that was carried on in the last step, if it was of any.
     pub(super) const AMONG_MANY: Self = Self(1 << 23);
-    /// It is carried along straight lines, since it has no room to hop.
+    /// It is carried along straight lines, since it has no room to hop, or is one of many; or it waits beside such a one.
     pub(super) const STRAIGHT: Self = Self(1 << 24);
     /// It is carried, or waits.
     pub(super) const GOES_ALONG: Self = Self(Self::CARRIED.0 | Self::WAITS.0);

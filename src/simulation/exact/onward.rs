@@ -78,8 +78,6 @@ impl Exact {
             most_sweeps: (MOST_SWEEPS * (1.0 + longer)) as usize,
         };
         let kicked = group.velocities.clone();
-        let around = |contact: &Contact| self.acceleration_around(&group.members, contact, &kicked);
-        let around: Vec<f64> = group.contacts.iter().map(around).collect();
         let lifts = gravity * apart * self.layers::<N>(group);
         let most_given = group.mass() * (MOST_GIVEN * self.rest_speed * self.rest_speed + lifts);
         // Where there was no room a moment ago there is none.
@@ -91,9 +89,10 @@ impl Exact {
                 continue;
             }
             group.velocities.clone_from(&kicked);
-            for (contact, around) in group.contacts.iter_mut().zip(&around) {
+            for contact in &mut group.contacts {
                 let closes = (1.0 - KEPT_APART) * (contact.gap - apart);
-                let least = (-fastest_approach(closes, *around, step)).min(0.5 * self.rest_speed);
+                let around = self.acceleration_around(&group.members, contact, &kicked);
+                let least = (-fastest_approach(closes, around, step)).min(0.5 * self.rest_speed);
                 contact.least = if part { least } else { least.min(0.0) };
                 let rebounds = rebound.then(|| self.rebound::<N>(&group.members, contact, &kicked)).flatten();
                 contact.least = rebounds.map_or(contact.least, |speed| contact.least.max(speed));
