@@ -152,7 +152,8 @@ impl Exact {
         }
     }
 
-    /// How near balls are to each other that are carried as one group, px: as far as one at the rest speed goes in two steps.
+    /// How near balls are to each other that are carried as one group, px: as far as one at the rest speed goes in two steps
+    /// of few.
     pub(super) fn carry_touch(&self) -> f64 {
         self.rest_speed * self.chatter_time
     }
