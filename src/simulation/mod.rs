@@ -103,7 +103,7 @@ impl Simulation {
     /// | height of a hop that is left out | u²/2g |
     /// | how much too early a ball comes to rest | 2u/g/(1 − e) |
     /// | energy that hops add, as a rule | ½Mu²/4 |
-    /// | the same, where two dozen balls or more press on each other | ½Mu²/2 |
+    /// | the same, where two dozen balls or more press on each other | ½Mu²/2; in towers of equal balls four times ½Mu² |
     /// | the same, where masses differ by many powers of ten, or balls are fixed | about ½Mu² |
     ///
     /// The number of chattering impacts of balls that lie on each other grows as 1/u.

@@ -10,7 +10,7 @@ fn a_ball_that_an_unlike_one_wakes_from_its_wait_does_not_wait_again_in_the_same
     assert_eq!(crowd.solver(), Solver::Exact);
     let mut looks = 0;
     for frame in 0..60 {
-        // In the 44th frame there was no end of events. A look is at every 256 of them, or at what takes as long.
+        // There was no end of events in one of these frames. A look is at every 256 of them, or at what takes as long.
         crowd
             .advance_while(1.0 / 60.0, || {
                 looks += 1;
