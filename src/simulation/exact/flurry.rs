@@ -110,8 +110,8 @@ impl Exact {
         self.go_on_after_flurry::<N>(&group, now);
     }
 
-    /// Twice the energy that a group's balls gain as their velocities change from these, where those of some are mean ones: as much as these
-    /// take from it, less what an impulse that lifts them early in a step gives.
+    /// Twice the energy that a group's balls gain as their velocities change from these, where those of some are mean ones: what an
+    /// impulse gives that lifts them early in a step, less what it takes from their motion.
     fn gained_by(&self, group: &Group, before: &[DVec2], now: f64) -> f64 {
         let since_middle = self.since_middle(now);
         let each = group.members.iter().zip(before).zip(&group.velocities).zip(&group.inverse_masses);

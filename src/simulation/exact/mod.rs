@@ -12,8 +12,8 @@
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
 //! - `together`: what happens where several balls meet at one time;
 //! - `settle`, `gather`, `group`, `contacts`, `sweeps`, `interior`: how they come to rest on each other;
-//! - `carry`, `onward`, `blows`, `flurry`, `headway`: how many go on that press on each other until then, what becomes of blows on
-//!   them, what ends their flurries of hits, and which of them are jammed;
+//! - `carry`, `means`, `onward`, `blows`, `flurry`, `headway`: how many go on that press on each other until then, and with which
+//!   velocities, what becomes of blows on them, what ends their flurries of hits, and which of them are jammed;
 //! - `pace`: whether there are more impacts than can be followed;
 //! - `pressing`: when it ends because balls press on each other, where `contact` holds these;
 //! - `cells`, `swept`, `calendar`: where balls are, and will be, and the queue;
@@ -34,6 +34,7 @@ mod group;
 mod headway;
 mod impacts;
 mod interior;
+mod means;
 mod meetings;
 mod onward;
 mod pace;

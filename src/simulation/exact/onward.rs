@@ -121,8 +121,8 @@ impl Exact {
         None
     }
 
-    /// How fast two part that go round each other, as much of it as counts, px/s², where they go straight: so what rolls over another one is
-    /// lifted off it by no more than it takes.
+    /// The acceleration with which two part that go round each other straight, as much of it as counts, px/s²: so what rolls over another
+    /// one is lifted off it by no more than it takes.
     fn acceleration_around(&self, members: &[Member], contact: &Contact, velocities: &[DVec2]) -> f64 {
         if !self.carry.goes_straight() {
             return 0.0;
