@@ -8,7 +8,8 @@
 //!
 //! A whole group waits *in place* where its flurries of hits were too many since the last step, or where it chatters and the next step
 //! finds out in less time what becomes of it. It stands still, and so does, until then, what comes to it, if it has not waited before
-//! in the same step: there are no hits among what waits so. No time passes for it meanwhile: that must not go on from step to step (`headway`).
+//! in the same step: there are no hits among what waits so. No time passes for it meanwhile: that must not go on from step to step
+//! (`headway`).
 
 use glam::DVec2;
 

@@ -45,7 +45,7 @@ pub(super) struct Carry {
     /// Whether a wall, or a fixed ball, may carry any.
     pub(super) grounded: bool,
     /// How many times as long as that of few a step lasts.
-    longer: f64,
+    pub(super) longer: f64,
     /// When the next step is, where one is called for.
     next: Option<Clock>,
     /// Whether whoever takes events does not know of it yet.
@@ -83,11 +83,6 @@ impl Carry {
     /// How long a step is, s.
     pub(super) fn step(&self) -> f64 {
         f64::from(self.rate).recip()
-    }
-
-    /// How many times as long as that of few a step lasts.
-    pub(super) fn longer(&self) -> f64 {
-        self.longer
     }
 
     /// Whether what is carried goes straight, however much room it has.
@@ -377,7 +372,7 @@ mod tests {
         for (balls, rate) in [(0, 1024), (100, 1024), (200, 512), (400, 256), (100_000, 256)] {
             let carry = carry(true, balls);
             assert_eq!((carry.rate, carry.goes_straight()), (rate, balls > 100), "{balls} balls");
-            assert_eq!(carry.longer() * f64::from(carry.rate), 1024.0);
+            assert_eq!(carry.longer * f64::from(carry.rate), 1024.0);
         }
         // A cloud that nothing carries keeps its momentum only as it falls.
         assert_eq!((carry(false, 400).rate, carry(false, 400).goes_straight()), (1024, false));

@@ -95,14 +95,13 @@ impl Exact {
         let kicks: Vec<DVec2> =
             group.members.iter().map(|member| self.marks[member.slot].accelerated_part(half_kick)).collect();
         group.velocities.iter_mut().zip(&kicks).for_each(|(velocity, kick)| *velocity += *kick);
-        let before = group.velocities.clone();
-        let Some((fastest, by_walls)) = self.take_flurry(&mut group, left, &kicks) else { return };
+        let Some((fastest, before)) = self.take_flurry(&mut group, left, &kicks) else { return };
         if self.gained_by(&group, &before, now)
             > MOST_GAINED * group.mass() * self.rest_speed * self.rest_speed
         {
             return self.wait_in_place::<N>(&group, now);
         }
-        tally.wall_impulse += by_walls;
+        tally.wall_impulse += group.by_walls_since(before);
         if fastest > GETS_ON * self.rest_speed {
             self.at_once = 0;
         }
@@ -123,8 +122,8 @@ impl Exact {
     }
 
     /// Takes from a group's velocities what lets its members meet in the time that is left, s. Returns their fastest approach, and the
-    /// momentum that walls gave, if there was any, and what takes it loses energy.
-    fn take_flurry(&mut self, group: &mut Group, left: f64, kicks: &[DVec2]) -> Option<(f64, DVec2)> {
+    /// velocities before, if there was any, and what takes it loses energy.
+    fn take_flurry(&mut self, group: &mut Group, left: f64, kicks: &[DVec2]) -> Option<(f64, Vec<DVec2>)> {
         let before = group.velocities.clone();
         // What is drawn away from what does not move comes nearer to that first, unless it parts from it: without, where that takes
         // energy.
@@ -142,7 +141,7 @@ impl Exact {
             let takes = self.take_approach(group, &before, fastest);
             // False for a NaN.
             if takes && group.energy(&group.velocities) <= group.energy(&before) {
-                return Some((fastest, group.by_walls_since(before)));
+                return Some((fastest, before));
             }
             group.go_back(&before);
         }

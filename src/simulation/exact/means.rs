@@ -55,13 +55,14 @@ impl Exact {
         2.0 * since_middle * self.gravity.dot(mean)
     }
 
-    /// The part of its speed with which what goes off is shown now: where it goes straight, what slow balls have risen by others have
-    /// given them, which all together are shown with as much less energy. Flights and impacts do not know of it.
-    pub(super) fn shown_part<N: Needs>(&self, now: f64) -> f64 {
-        if !self.carry.goes_straight() || self.carry.next_since(self.origin).is_none() {
+    /// The part of its speed with which what goes off is shown so long after the middle of a step: where it goes straight, what slow
+    /// balls have risen by others have given them, which all together are shown with as much less energy. Flights and impacts do not
+    /// know of it.
+    pub(super) fn shown_part<N: Needs>(&self, since_middle: f64) -> f64 {
+        if !self.carry.goes_straight() || since_middle == 0.0 {
             return 1.0;
         }
-        let (mut given, mut all, since_middle) = (0.0, 0.0, self.since_middle(now));
+        let (mut given, mut all) = (0.0, 0.0);
         for slot in (0..self.flights.len()).filter(|&slot| self.goes_off(slot)) {
             let square = self.true_square(slot, self.flights[slot].velocity, since_middle);
             let mass = self.matter::<N>(slot).mass;

@@ -184,7 +184,7 @@ impl Exact {
         let now = self.clock.shown_since(self.origin).max(self.latest);
         let lean = LEAN * self.chatter_time;
         let since_middle = self.since_middle(now);
-        let part = if N::HOLDS { self.shown_part::<N>(now) } else { 1.0 };
+        let part = if N::HOLDS { self.shown_part::<N>(since_middle) } else { 1.0 };
         for &(_, prop) in &self.propped {
             self.marks[prop as usize].set(Marks::HIT, true);
         }

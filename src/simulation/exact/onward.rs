@@ -67,7 +67,7 @@ impl Exact {
     pub(super) fn find_velocities<N: Needs>(&mut self, group: &mut Group, now: f64) -> Option<DVec2> {
         let step = self.carry.step();
         let gravity = self.gravity.length();
-        let (longer, kick) = (self.carry.longer(), gravity * step);
+        let (longer, kick) = (self.carry.longer, gravity * step);
         let part = if self.carry.goes_straight() { APART_STRAIGHT / longer } else { APART };
         let apart = part * gravity * step * step;
         let enough = Enough {
