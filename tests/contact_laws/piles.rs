@@ -201,6 +201,16 @@ fn a_pile_of_a_hundred_layers_comes_to_rest_with_little_overlap_and_its_energy()
     }
 }
 
+/// In six substeps a beat, two of three trembled without end, squeezed by up to a quarter of a radius; in eight, one of 24 to one of
+/// four do, by how lively they are.
+#[test]
+fn piles_of_nearly_two_hundred_layers_come_to_rest_with_little_overlap() {
+    let piles = (1..=6).map(|seed| pile_of_sizes(600, [30, 2507], [3, 6], seed, 25.0));
+    let piles: Vec<_> = piles.map(|pile| (fastest(&pile), overlap(&pile))).collect();
+    assert!(piles.iter().filter(|&&(fastest, _)| fastest > 0.0).count() <= 2, "{piles:?}");
+    assert!(piles.iter().all(|&(_, overlap)| overlap < 0.06), "{piles:?}");
+}
+
 #[test]
 fn gravity_however_strong_gives_no_energy() {
     for gravity in [1e5, 1e7] {

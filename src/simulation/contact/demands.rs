@@ -20,6 +20,9 @@ const MOST_SHORTENED: f64 = 1024.0;
 /// are sixty layers.
 const DEEP_LOAD: f64 = 0.11;
 const DEEP_BALLS: usize = 500;
+/// From this on, 110 of these layers, six a beat leave what lies deepest squeezed by a tenth of a radius, and it trembles without end: of
+/// two hundred layers none came to rest within half a minute, and in eight a beat all did.
+const DEEPER_LOAD: f64 = 0.2;
 /// The part of its room that a pile fills.
 const PACKED: f64 = 0.84;
 
@@ -64,9 +67,26 @@ pub(super) fn are_many_of_one_size(balls: &[Ball]) -> bool {
     radii.iter().filter(|&&radius| size <= ONE_SIZE * radius && radius <= ONE_SIZE * size).count() > middle
 }
 
-/// Whether so many balls may lie so deep that six substeps a beat suit them, in beats that are so many times shorter than usual.
-pub(super) fn lie_deep(world: &World, balls: &[Ball], shortened: u32) -> bool {
-    load(world, balls, shortened) > DEEP_LOAD
+/// How deep balls may lie beside their size and gravity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Depth {
+    /// So that four substeps a beat suit them, ...
+    Shallow,
+    /// ... six ...
+    Deep,
+    /// ... or eight.
+    Deeper,
+}
+
+impl Depth {
+    /// Of these balls, in beats that are so many times shorter than usual.
+    pub(super) fn of(world: &World, balls: &[Ball], shortened: u32) -> Self {
+        match load(world, balls, shortened) {
+            load if load > DEEPER_LOAD => Self::Deeper,
+            load if load > DEEP_LOAD => Self::Deep,
+            _ => Self::Shallow,
+        }
+    }
 }
 
 /// How far gravity would move all layers together that these balls may lie in, in a substep of beats that are so many times
@@ -142,12 +162,14 @@ mod tests {
         assert_eq!(range(320.0, 0.5 * GRAVITY, 4000, 1.0, true), [120, 240]);
         assert_eq!(range(640.0, GRAVITY, 8000, 1.0, true), [360; 2]);
         assert_eq!(range(1280.0, GRAVITY, 8000, 2.0, true), [120, 240]);
+        assert_eq!(range(300.0, GRAVITY, 4000, 1.0, true), [480; 2]);
         // What may not sleep becomes longer again where it lies still.
         assert_eq!(range(320.0, GRAVITY, 4000, 1.0, false), [120, 360]);
+        assert_eq!(range(300.0, GRAVITY, 4000, 1.0, false), [120, 360]);
         // What falls to the side lies in few layers.
         assert_eq!(range(320.0, GRAVITY.perp(), 4000, 1.0, true), [120, 240]);
         assert_eq!(range(320.0, DVec2::ZERO, 4000, 1.0, true), [240; 2]);
         assert_eq!(range(40.0, GRAVITY, DEEP_BALLS - 1, 1.0, true), [120, 240]);
-        assert_eq!(range(40.0, GRAVITY, DEEP_BALLS, 1.0, true), [360; 2]);
+        assert_eq!(range(58.0, GRAVITY, DEEP_BALLS, 1.0, true), [360; 2]);
     }
 }

@@ -1,11 +1,11 @@
-//! How long substeps are: two, three or four in each *beat* of a 60th of a second, six where a pile is deep.
+//! How long substeps are: two, three or four in each *beat* of a 60th of a second, six or eight where a pile is deep.
 //!
 //! What flies is followed from impact to impact in any substep, and what lies still needs no short ones. But where many
 //! are hit, a ball may be hit more often than it may in one, and what is left is to be held before it goes far; and the
 //! more balls carry, the farther they go for what is left to be found of that load. Few balls cost little, and so do
 //! those that are awake among many asleep: they always take four, as do those that nothing presses together, many of one
 //! size, and unlike balls, which may carry what is many times as heavy. What overlaps under a load does so by as much as that load
-//! times the square of a substep: deep piles take six, and where they are to sleep, always. Where gravity is strong, beats are
+//! times the square of a substep: deep piles take six, or, where they are to sleep, six or eight, always. Where gravity is strong, beats are
 //! shorter. They follow each other whatever the frames, so that what comes of them does not depend on these.
 
 use glam::DVec2;
@@ -15,7 +15,7 @@ use super::super::ball::Ball;
 use super::super::world::World;
 use super::Contact;
 use super::amount::Amount;
-use super::demands::{are_many_of_one_size, lie_deep, middle_radius, shortened, shortened_for};
+use super::demands::{Depth, are_many_of_one_size, middle_radius, shortened, shortened_for};
 use super::layout::Layer;
 use super::softness::Softness;
 use super::stripes::of_layer;
@@ -24,12 +24,13 @@ use super::unlike::Crush;
 
 /// Beats in a second, at least.
 pub(super) const BEATS: u32 = 60;
-/// Substeps in a beat: the fewest, and the most, with which all begin, as a rule and in deep piles.
+/// Substeps in a beat: the fewest, and the most, with which all begin, as a rule, in deep piles, and in still deeper ones.
 pub(super) const FEWEST: u32 = 2;
 pub(super) const MOST: u32 = 4;
 const MOST_IN_DEEP: u32 = 6;
+const MOST_IN_DEEPER: u32 = 8;
 /// The parts of a beat in which time is counted: a multiple of all numbers of substeps.
-const PARTS: u32 = 12;
+const PARTS: u32 = 24;
 
 /// A beat of long substeps is the last, for now, in one of which impacts shift more than one in so many balls ...
 const MANY_HIT: usize = 16;
@@ -79,9 +80,13 @@ impl Substeps {
     pub(super) fn new(world: &World, balls: &[Ball], tuning: Tuning) -> Self {
         let shortened = tuning.substeps.is_none().then(|| shortened(world, balls));
         let rate = shortened.map(|times| BEATS * PARTS * times).or(tuning.substeps).unwrap_or_default();
-        let is_deep = lie_deep(world, balls, shortened.unwrap_or(1));
-        let most = if is_deep { MOST_IN_DEEP } else { MOST };
-        let (of_one_size, deep) = (are_many_of_one_size(balls), is_deep && tuning.sleep);
+        let depth = Depth::of(world, balls, shortened.unwrap_or(1));
+        let (of_one_size, deep) = (are_many_of_one_size(balls), depth > Depth::Shallow && tuning.sleep);
+        let most = match depth {
+            Depth::Shallow => MOST,
+            Depth::Deeper if deep => MOST_IN_DEEPER,
+            Depth::Deep | Depth::Deeper => MOST_IN_DEEP,
+        };
         let middle = shortened_for(middle_radius(balls), world.gravity.unwrap_or_default());
         let finer = shortened.map_or(1.0, |times| f64::from(times) / f64::from(middle));
         let amount = Amount::of(balls);
@@ -341,7 +346,7 @@ mod tests {
             beat(&mut lying, Some(MOST));
         }
         let settled = lying.bodies.clone();
-        for count in [2, 4, 3, 2, 6, 3, 4] {
+        for count in [2, 4, 3, 2, 6, 8, 3, 4] {
             beat(&mut lying, Some(count));
             for (before, after) in settled.iter().zip(&lying.bodies) {
                 assert!(after.velocity.length() < 0.05, "at {} px/s", after.velocity);
@@ -435,9 +440,11 @@ mod tests {
     #[test]
     fn a_pile_asleep_goes_on_at_the_end_of_a_substep() {
         let mut pile = stacks(true);
-        for (count, ends) in [(4, [3, 3, 6, 9]), (2, [6, 6, 6, 12]), (3, [4, 4, 8, 8])] {
+        for (count, ends) in
+            [(4, [6, 6, 12, 18]), (2, [12, 12, 12, 24]), (3, [8, 8, 16, 16]), (8, [3, 6, 12, 18])]
+        {
             pile.substeps.begin_beat_of(count);
-            for (step, end) in [1, 3, 5, 8].into_iter().zip(ends) {
+            for (step, end) in [2, 6, 10, 16].into_iter().zip(ends) {
                 pile.sleep_until(step);
                 assert_eq!(pile.steps, end, "{step} of {count}");
             }
