@@ -239,6 +239,35 @@ fn a_ball_without_room_between_fixed_ones_ends_no_run() {
     }
 }
 
+/// It was stopped dead, and hung in the air for ever, where all bounces are elastic: hits without end took all of its speed.
+#[test]
+fn a_ball_without_room_across_keeps_its_speed_along_and_falls() {
+    let beside = [peg(30.0, 200.0, 10.0)];
+    let between = [peg(-10.0, 200.0, 10.0), peg(30.0, 200.0, 10.0)];
+    for (solver, e) in
+        [(Solver::Exact, 1.0), (Solver::Exact, 0.999), (Solver::Exact, 0.5), (Solver::Contact, 0.5)]
+    {
+        for (pegs, x) in [(&beside[..], 0.0), (&between[..], 100.0)] {
+            for (across, gravity) in
+                [(300.0, DVec2::ZERO), (-1.0, DVec2::ZERO), (300.0, EARTH), (1e-3, EARTH)]
+            {
+                let along = -700.0;
+                let mut balls = vec![moving(ball(x + 10.0, 200.0, 10.0), DVec2::new(across, along))];
+                balls.extend(pegs.iter().map(|peg| ball(peg.position().x + x, 200.0, 10.0).fixed()));
+                let balls: Vec<Ball> = balls.into_iter().map(|ball| soft(ball, e)).collect();
+                let mut squeezed = simulation(solver, boxed(300.0, 400.0, e, gravity), &balls);
+                run(&mut squeezed, 12);
+                let (ball, time) = (&squeezed.balls()[0], 12.0 * FRAME);
+                let falls = gravity.y * time;
+                let what = format!("{solver:?}, e {e}, {across} px/s across, {gravity}, {} pegs", pegs.len());
+                assert!((ball.velocity().y - (along + falls)).abs() < 1e-6, "{what}: {}", ball.velocity());
+                let fallen = 200.0 + (along + 0.5 * falls) * time;
+                assert!((ball.position().y - fallen).abs() < 1e-6, "{what}: {}", ball.position());
+            }
+        }
+    }
+}
+
 #[test]
 fn fixed_balls_do_not_notice_each_other() {
     let balls = [peg(50.0, 50.0, 20.0), peg(60.0, 50.0, 20.0), peg(60.0, 50.0, 20.0), ball(150.0, 50.0, 5.0)];

@@ -251,7 +251,14 @@ impl Exact {
         let least = self.least_parting(&meeting, first.radius + second.radius);
         let restitution = if self.wedged() { 0.0 } else { first.restitution.min(second.restitution) };
         if N::HOLDS && self.wedged() && (first.is_fixed() || second.is_fixed()) {
-            return self.hold::<N>(tally, [(one, p1), (other, p2)], now);
+            let moves = if first.is_fixed() { other } else { one };
+            self.settle::<N>(tally, moves, now);
+            let ((p1, v1), (p2, v2)) = (self.state::<N>(one, now), self.state::<N>(other, now));
+            if (v1 - v2).dot(p1 - p2) < 0.0 {
+                return self.hold::<N>(tally, [(one, p1), (other, p2)], now);
+            }
+            tally.impacts += 1;
+            return self.foresee_both::<N>(one, other, now);
         }
         let may_chatter = self.takes_energy(restitution) && !self.wedged();
         let chatters = |slot, matter| may_chatter && self.chatters::<N>(slot, matter, &meeting, now);
