@@ -165,3 +165,20 @@ fn a_ball_in_a_bowl_of_large_fixed_ones_swings_no_farther_than_it_did() {
         assert!(far < START + 0.5, "{far} px from the middle after {} s", swing.time());
     }
 }
+
+/// What the one wall gave it in a substep was taken for what presses it on the other, at each bounce anew: its energy rose twentyfold.
+#[test]
+fn a_ball_that_rattles_between_elastic_walls_gets_no_energy() {
+    for gap in [1e-9, 1e-6, 1e-4, 1e-3] {
+        for (across, along) in [(67.0, 202.0), (30.0, 0.0), (300.0, 0.0)] {
+            for gravity in [EARTH, DVec2::new(300.0, 800.0)] {
+                let tube = world(20.0 + gap, 150.0, 1.0).with_gravity(gravity).unwrap();
+                let rattler = moving(ball(10.0 + 0.4 * gap, 30.0, 10.0), across, along);
+                let mut tube = simulation(tube, vec![rattler]);
+                let start = energy(&tube);
+                let back = rise(&mut tube, 20) / start;
+                assert!(back < 1e-4, "{gap:e}, {across}, {along}, {gravity}: {back}");
+            }
+        }
+    }
+}

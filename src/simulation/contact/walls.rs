@@ -15,6 +15,8 @@ const SHORTEST_HOP: f64 = 1.0 / 64.0;
 /// The same of one that others press on it, or hold up in part: what presses is known for whole substeps. With a quarter, piles
 /// tremble twice as much. Not on elastic walls, which take no energy.
 const SHORTEST_PRESSED_HOP: f64 = 1.0;
+/// What a wall seems to give a ball away from it is rounding, where it is less than this part of what changes the ball's velocity.
+const ROUNDING: f64 = 1e-9;
 
 /// When a ball comes to a wall, if it does in this substep, s after its beginning; by its mean velocity.
 #[inline]
@@ -112,8 +114,10 @@ fn meet_wall(
     let lone = !rests && load == 0.0;
     // In closed form where nothing but gravity acts on it along this axis, or all that does presses it on the wall: that never ends
     // where each substep takes the speed for an impact's that it gives it anew. Not where balls are unlike: what a heavy one presses
-    // on a light one may be gone in the next substep, and what the light one is to lose to it would stay.
-    let closed = lone || !(rests || unlike.differs()) && side * change < 0.0;
+    // on a light one may be gone in the next substep, and what the light one is to lose to it would stay. Nor where a wall gives it some
+    // of that: the opposite one does not press on it once it has left that, and would give it as much anew each time that it came back.
+    let opposite = -side * beside.push[axis] > ROUNDING * change.abs();
+    let closed = lone || !(rests || opposite || unlike.differs()) && side * change < 0.0;
     // Where it stands at the substep's beginning is where it would have come from: it may be behind the wall.
     let left = setting.substep - since;
     let (acceleration, start, fallen) = if closed {
