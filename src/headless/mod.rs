@@ -109,7 +109,7 @@ pub enum RunError {
         path: PathBuf,
     },
     /// An output goes where an input is.
-    #[error("{} is read, and would be written over; give the output a path of its own", path.display())]
+    #[error("{}", over_input(path))]
     OverInput {
         /// Where it should go.
         path: PathBuf,
@@ -133,6 +133,15 @@ impl RunError {
             AnimationError::Encoding(gif::EncodingError::Io(source)) => OutputError { path, source }.into(),
             source => Self::Animation { path, source },
         }
+    }
+}
+
+/// That an output would go where an input is, and what to do.
+fn over_input(path: &Path) -> String {
+    if output::is_stdout(path) {
+        "standard output goes to a file that is read, and would be written over; send it elsewhere".to_owned()
+    } else {
+        format!("{} is read, and would be written over; give the output a path of its own", path.display())
     }
 }
 

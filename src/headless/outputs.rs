@@ -1,7 +1,7 @@
 //! All that a run writes: trace, picture, animation and summary.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use tiny_skia::Pixmap;
 
@@ -40,10 +40,14 @@ impl Outputs {
             }
             places.push(place);
         }
+        let stdout_taken = places.iter().any(|place| output::is_stdout(place));
+        let stdout = Path::new("-");
+        if run.summary.is_none() && !stdout_taken && inputs.iter().any(|input| input == stdout) {
+            return Err(RunError::OverInput { path: stdout.to_owned() });
+        }
         let create = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
         let (trace, image) = (create(&run.trace)?, create(&run.image)?);
         let (gif, summary) = (create(&run.gif)?, create(&run.summary)?);
-        let stdout_taken = places.iter().any(|place| output::is_stdout(place));
         let canvas = (image.is_some() || gif.is_some()).then(|| paint::blank(simulation.world().size()));
         let canvas = canvas.transpose()?;
         let gif = match (gif, &canvas, &run.gif) {

@@ -38,6 +38,36 @@ fn no_output_takes_the_place_of_an_input() {
     succeed(&here, &["run", "draw", "--seconds", "0", "--trace", "draw"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn nothing_that_goes_to_standard_output_is_appended_to_an_input() {
+    let here = folder();
+    let scene = succeed(&here, &["scene", "draw"]);
+    fs::write(here.path().join("mine.toml"), &scene).unwrap();
+    fs::write(here.path().join("deltas.txt"), "0.5\n").unwrap();
+    let appending = |name: &str, args: &[&str]| {
+        let file = fs::File::options().append(true).open(here.path().join(name)).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_carom"));
+        command.current_dir(here.path()).args(args).stdout(file).output().unwrap()
+    };
+    let run = ["run", "mine.toml", "--deltas", "deltas.txt"];
+    for name in ["mine.toml", "deltas.txt"] {
+        for output in [&[][..], &["--image", "it.png"], &["--summary", "-"], &["--trace", "-"]] {
+            let before = fs::read(here.path().join(name)).unwrap();
+            let refused = appending(name, &[&run[..], output].concat());
+            assert_eq!(refused.status.code(), Some(2), "{name} {output:?}");
+            let says =
+                "standard output goes to a file that is read, and would be written over; send it elsewhere";
+            assert!(stderr(&refused).contains(says), "{}", stderr(&refused));
+            assert_eq!(fs::read(here.path().join(name)).unwrap(), before, "{output:?}");
+        }
+        // Where the summary goes to a file, standard output stays empty.
+        let output = appending(name, &[&run[..], &["--summary", "s.json"]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+    }
+    assert_eq!(names(here.path()), ["deltas.txt", "mine.toml", "s.json"]);
+}
+
 #[test]
 fn outputs_are_written_whole_or_not_at_all() {
     let here = folder();
