@@ -93,7 +93,10 @@ impl Failure {
                 | RunError::SameOutput { .. }
                 | RunError::OverInput { .. }
                 | RunError::Picture(_)
-                | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
+                | RunError::Animation {
+                    source: AnimationError::TooLarge { .. } | AnimationError::TooLong(_),
+                    ..
+                },
             ) => ExitCode::from(2),
             #[cfg(feature = "report")]
             Self::Report(ReportError::Unknown { .. }) => ExitCode::from(2),
@@ -114,6 +117,9 @@ impl Failure {
             Self::Run(
                 RunError::Picture(_) | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
             ) => " (--size)",
+            Self::Run(RunError::Animation { source: AnimationError::TooLong(_), .. }) => {
+                " (--seconds or --deltas, --gif)"
+            }
             Self::Run(RunError::Frames(FramesError::Seconds(_))) => " (--seconds)",
             Self::Run(RunError::Frames(FramesError::Rate(_))) => " (--fps)",
             Self::Run(RunError::Frames(FramesError::TooMany { .. })) => " (--seconds, --fps)",

@@ -41,7 +41,7 @@ fn through_shell(here: &Path, before: &str, args: &str) -> Output {
 
 /// A run that would go on for days, as soon as its outputs are begun.
 fn begin(here: &Path, before: &str) -> Child {
-    let run = "run gravity --seconds 1e7 --trace t.csv --every 1000 --gif it.gif --image last.png";
+    let run = "run gravity --seconds 1e6 --fps 1e3 --trace t.csv --every 1000 --gif it.gif --image last.png";
     begin_call(here, before, run, 3)
 }
 

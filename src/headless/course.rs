@@ -15,6 +15,14 @@ pub enum Course {
 }
 
 impl Course {
+    /// How long it takes, s, where that is known before it is played: of a replay, only its frames tell.
+    pub(super) fn seconds(&self) -> Option<f64> {
+        match self {
+            Self::Frames(_, frames) => Some(frames.seconds()),
+            Self::Replay(_) => None,
+        }
+    }
+
     /// The scene that is played.
     #[must_use]
     pub fn scene(&self) -> &Scene {

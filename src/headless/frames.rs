@@ -154,6 +154,15 @@ impl Frames {
         }
     }
 
+    /// How long all of them take, s.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        match &self.0 {
+            Kind::Even { whole, delta, rest } => *whole as f64 * delta + rest,
+            Kind::Listed(deltas) => deltas.iter().sum(),
+        }
+    }
+
     /// The delta in seconds of a frame, from 0, of which there are [`count`](Self::count); 0 where there is no such frame.
     #[must_use]
     pub fn delta(&self, frame: u64) -> f64 {
@@ -191,6 +200,14 @@ mod tests {
         let uneven = all(&Frames::even(0.25, 10.0).unwrap());
         assert_eq!(uneven.len(), 4);
         assert!((uneven.iter().sum::<f64>() - 0.25).abs() < 1e-15);
+    }
+
+    #[test]
+    fn frames_take_as_long_as_their_deltas_together() {
+        let listed = Frames::parse(Path::new("deltas.txt"), "0\n0.5\n0.25").unwrap();
+        for frames in [Frames::even(0.25, 10.0).unwrap(), Frames::even(0.0, 60.0).unwrap(), listed] {
+            assert!((frames.seconds() - all(&frames).iter().sum::<f64>()).abs() < 1e-15);
+        }
     }
 
     #[test]

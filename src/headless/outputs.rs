@@ -7,7 +7,7 @@ use tiny_skia::Pixmap;
 
 use super::output::{self, Output, OutputError};
 use super::{Run, RunError, Summary};
-use crate::paint::{self, Animation, Painter};
+use crate::paint::{self, Animation, AnimationError, Painter};
 use crate::simulation::Simulation;
 
 /// The outputs of a run, opened before it so that a wrong path is known at once.
@@ -44,6 +44,11 @@ impl Outputs {
         let stdout = Path::new("-");
         if run.summary.is_none() && !stdout_taken && inputs.iter().any(|input| input == stdout) {
             return Err(RunError::OverInput { path: stdout.to_owned() });
+        }
+        if let (Some(path), Some(seconds)) = (&run.gif, run.course.seconds())
+            && paint::animation::is_too_long(seconds)
+        {
+            return Err(RunError::of_animation(path, AnimationError::TooLong(seconds)));
         }
         let create = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
         let (trace, image) = (create(&run.trace)?, create(&run.image)?);

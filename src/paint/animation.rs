@@ -46,6 +46,11 @@ pub enum AnimationError {
     /// A frame is at no time that an animation may have.
     #[error("a frame at {0} s is not in an animation, which may last from 0 to {LONGEST} s")]
     NoTime(f64),
+    /// What is to be seen takes longer, s, than an animation may last.
+    #[error(
+        "an animation may last {LONGEST} s, and this would last {0}; ask for less time, or for no animation"
+    )]
+    TooLong(f64),
     /// It could not be encoded or written.
     #[error(transparent)]
     Encoding(#[from] gif::EncodingError),
@@ -53,7 +58,12 @@ pub enum AnimationError {
 
 /// Refuses what is no time of an animation, s.
 fn check_time(time: f64) -> Result<(), AnimationError> {
-    if (0.0..=LONGEST).contains(&time) { Ok(()) } else { Err(AnimationError::NoTime(time)) }
+    if time >= 0.0 && !is_too_long(time) { Ok(()) } else { Err(AnimationError::NoTime(time)) }
+}
+
+/// Whether no animation may last so many seconds. It counts hundredths of them, and what rounding adds to a sum of frames is none.
+pub(crate) fn is_too_long(seconds: f64) -> bool {
+    hundredths(seconds) > hundredths(LONGEST)
 }
 
 /// Whether what is seen at the second of these times, s, comes too soon after the first to be a frame of its own.

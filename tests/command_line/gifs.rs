@@ -41,6 +41,30 @@ fn a_gif_of_an_hour_lasts_an_hour() {
 }
 
 #[test]
+fn a_run_longer_than_a_gif_may_last_is_refused_before_it_begins() {
+    let here = folder();
+    fs::write(here.path().join("days.txt"), "0\n600000\n600000\n").unwrap();
+    let outputs = ["--gif", "it.gif", "--trace", "t.csv"];
+    let days = [&["run", "draw", "--deltas", "days.txt"][..], &outputs].concat();
+    let says = "it.gif: an animation may last 1000000 s, and this would last 1200000; ask for less time, or for no \
+                animation (--seconds or --deltas, --gif)";
+    fail(&here, &days, 2, says);
+    let begun = Instant::now();
+    let years = [&["run", "draw", "--seconds", "1e8", "--fps", "1000"][..], &outputs].concat();
+    fail(
+        &here,
+        &years,
+        2,
+        "an animation may last 1000000 s, and this would last 100000000; ask for less time",
+    );
+    assert!(begun.elapsed() < Duration::from_secs(20), "known before what takes long");
+    assert_eq!(names(here.path()), ["days.txt"]);
+    // As long as one may last, it is written, also where the sum of its frames is rounded up.
+    let longest = ["run", "draw", "--size", "50x50", "--seconds", "1e6", "--fps", "0.011", "--gif", "it.gif"];
+    succeed(&here, &longest);
+}
+
+#[test]
 fn a_gif_shows_the_last_frame_in_the_pictures_own_colours() {
     let here = folder();
     let args =
