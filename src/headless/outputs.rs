@@ -109,11 +109,18 @@ impl Outputs {
 
     /// Completes every output that can be, and then tells of the first that could not.
     pub(super) fn finish(self, simulation: &Simulation, summary: &Summary) -> Result<(), RunError> {
-        let Self { trace, image, gif, summary: json, canvas, mut painter, stdout_taken } = self;
+        let Self { trace, image, gif, summary: json, mut canvas, mut painter, stdout_taken } = self;
         let traced = trace.map_or(Ok(()), Output::finish);
-        let animated: Result<(), RunError> = gif.map_or(Ok(()), |(animation, path)| {
-            let finished = animation.finish(summary.seconds);
-            Ok(finished.map_err(|source| RunError::of_animation(&path, source))?.finish()?)
+        let animated: Result<(), RunError> = gif.map_or(Ok(()), |(mut animation, path)| {
+            let finish = || {
+                // A GIF without pictures is none: of a replay without frames, it shows what the changes left.
+                if let (0, Some(canvas)) = (summary.frames, &mut canvas) {
+                    painter.repaint(simulation, 1.0, &mut canvas.as_mut());
+                    animation.add(summary.seconds, canvas)?;
+                }
+                animation.finish(summary.seconds)
+            };
+            Ok(finish().map_err(|source| RunError::of_animation(&path, source))?.finish()?)
         });
         let painted: Result<(), RunError> = image.zip(canvas).map_or(Ok(()), |(image, mut canvas)| {
             let blank = paint::blank(simulation.world().size())?;

@@ -65,6 +65,21 @@ fn a_run_longer_than_a_gif_may_last_is_refused_before_it_begins() {
 }
 
 #[test]
+fn a_gif_of_a_replay_without_frames_shows_what_its_changes_left() {
+    let here = folder();
+    fs::write(here.path().join("a.replay"), "carom replay 1\nremove-last\n").unwrap();
+    let replay = ["run", "draw", "--commands", "a.replay", "--gif", "it.gif", "--image", "it.png"];
+    succeed(&here, &replay);
+    let picture = tiny_skia::Pixmap::load_png(here.path().join("it.png")).unwrap();
+    let file = fs::File::open(here.path().join("it.gif")).unwrap();
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(file).unwrap();
+    assert!(decoder.read_next_frame().unwrap().is_some_and(|frame| frame.buffer == picture.data()));
+    assert!(decoder.read_next_frame().unwrap().is_none());
+}
+
+#[test]
 fn a_gif_shows_the_last_frame_in_the_pictures_own_colours() {
     let here = folder();
     let args =
