@@ -206,7 +206,7 @@ pub(super) fn advice(said: &str, line: &str, offset: usize) -> String {
     } else if said.ends_with("expected a boolean") {
         format!("{said}: true or false")
     } else if said.contains("expected a table: ") {
-        format!("{said}, or leave it out for none")
+        format!("{}, or leave it out for none", in_toml(said))
     } else if said.ends_with(TWO_NUMBERS) {
         entry.and_two_numbers(&in_toml(said))
     } else if said.contains("such as") || begins(&["unknown variant"]) {

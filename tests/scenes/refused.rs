@@ -29,7 +29,11 @@ const WRONG: &[(&str, usize, &str)] = &[
     ("[ball]\nposition = [1, 2]\nradius = 3", 1, "write its name in two brackets: [[ball]], [[fill]]"),
     ("[pairs]\nresponse = \"stick\"", 2, "unknown variant `stick`, expected `impulse` or `detect`"),
     ("walls = [0.5]", 1, "expected a table: [walls]"),
-    ("[[rain]]\nrate = 2\nradius = 3", 1, "expected a table: [rain]"),
+    (
+        "[[rain]]\nrate = 2\nradius = 3",
+        1,
+        "invalid type: array, expected a table: [rain], or leave it out for none",
+    ),
     ("ball = [[[1, 2], 3]]", 1, "expected a table: [[ball]]"),
     (
         "[[ball]]\nposition = [1, 2]",
