@@ -32,13 +32,25 @@ impl OutputError {
 /// What to do about an output that failed; nothing where it was standard output.
 fn remedy(path: &Path, source: &io::Error) -> &'static str {
     if is_stdout(path) {
-        ""
-    } else if matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) {
-        "; this file was not written; make the folder first, or give another"
-    } else if source.kind() == io::ErrorKind::FileTooLarge {
-        "; this file was not written; allow larger files (ulimit -f), or ask for less"
-    } else {
-        "; this file was not written; check that the folder may be written to and has room"
+        return "";
+    }
+    match source.kind() {
+        io::ErrorKind::NotFound => "; this file was not written; make the folder first, or give another",
+        io::ErrorKind::NotADirectory => {
+            "; this file was not written; what should be its folder is a file: give another folder"
+        }
+        io::ErrorKind::IsADirectory => {
+            "; this file was not written; name a file in it, or move it out of the way"
+        }
+        // Our own word, not the system's.
+        io::ErrorKind::InvalidFilename if source.raw_os_error().is_none() => {
+            "; this file was not written; end it with the name of a file"
+        }
+        io::ErrorKind::InvalidFilename => "; this file was not written; give it a shorter name",
+        io::ErrorKind::FileTooLarge => {
+            "; this file was not written; allow larger files (ulimit -f), or ask for less"
+        }
+        _ => "; this file was not written; check that the folder may be written to and has room",
     }
 }
 
@@ -69,6 +81,12 @@ pub(super) fn canonical(path: &Path) -> PathBuf {
     }
     let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
+}
+
+/// Whether nothing stands behind the last name in a path.
+fn ends_with_a_name(path: &Path) -> bool {
+    let (path, name) = (path.as_os_str().as_encoded_bytes(), path.file_name());
+    name.is_some_and(|name| path.ends_with(name.as_encoded_bytes()))
 }
 
 /// The folder that a file is in.
@@ -109,6 +127,12 @@ impl Output {
             Ok(found) if !found.is_file() => {
                 let device = File::options().write(true).open(&path).map_err(wrong)?;
                 Target::Device(BufWriter::new(device))
+            }
+            // A temporary file beside it would tell neither of its own name.
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(wrong(error)),
+            Err(_) if !ends_with_a_name(&path) => {
+                let message = "a path that ends with a slash or with a dot is that of a folder";
+                return Err(wrong(io::Error::new(io::ErrorKind::InvalidFilename, message)));
             }
             _ => Target::Temporary(BufWriter::new(Unfinished::beside(&path, folder(&path)).map_err(wrong)?)),
         };

@@ -90,6 +90,43 @@ fn outputs_are_written_whole_or_not_at_all() {
 
 #[cfg(unix)]
 #[test]
+fn a_path_where_no_file_can_be_is_known_before_the_run_with_what_would_do() {
+    let here = folder();
+    fs::create_dir(here.path().join("taken")).unwrap();
+    fs::write(here.path().join("file"), "").unwrap();
+    let long = "a".repeat(256);
+    let slash = ": a path that ends with a slash or with a dot is that of a folder; this file was not written; end it \
+                 with the name of a file";
+    let cases = [
+        ("none/".to_owned(), slash),
+        ("./none/.".to_owned(), slash),
+        ("none/it".to_owned(), ": there is no folder none; this file was not written; make the folder first"),
+        ("taken".to_owned(), ": is a directory; this file was not written; name a file in it"),
+        ("taken/".to_owned(), ": is a directory; this file was not written; name a file in it"),
+        (".".to_owned(), ": is a directory; this file was not written; name a file in it"),
+        ("file/".to_owned(), "; this file was not written; what should be its folder is a file"),
+        ("file/it".to_owned(), "; this file was not written; what should be its folder is a file"),
+        (long.clone(), "; this file was not written; give it a shorter name"),
+        (format!("{long}/it"), "; this file was not written; give it a shorter name"),
+        (format!("taken/{long}"), "; this file was not written; give it a shorter name"),
+    ];
+    for (path, says) in cases {
+        for option in ["--trace", "--image", "--gif", "--summary"] {
+            let begun = Instant::now();
+            let args = ["run", "gravity", "--seconds", "1e6", option, &path];
+            let output = carom(&here, &args);
+            assert_eq!(output.status.code(), Some(1), "{args:?}");
+            let said = stderr(&output);
+            assert!(said.starts_with(&format!("carom: {path}: ")), "{said}");
+            assert!(said.contains(says), "{said}");
+            assert!(begun.elapsed() < Duration::from_secs(20), "known before what takes long");
+        }
+    }
+    assert_eq!(names(here.path()), ["file", "taken"]);
+}
+
+#[cfg(unix)]
+#[test]
 fn a_device_is_written_to_and_not_replaced() {
     use std::os::unix::fs::FileTypeExt;
     let here = folder();
