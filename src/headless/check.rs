@@ -86,7 +86,8 @@ impl Check {
 /// run writes.
 pub(super) fn free_path(run: &Run, name: &str) -> PathBuf {
     let outputs = || [&run.trace, &run.image, &run.gif, &run.summary].into_iter().flatten();
-    let is_free = |path: &PathBuf| !path.exists() && outputs().all(|output| output != path);
+    // A link to nothing is a file, too.
+    let is_free = |path: &PathBuf| path.symlink_metadata().is_err() && outputs().all(|output| output != path);
     let (mut path, mut number) = (PathBuf::from(format!("{name}.toml")), 1);
     while !is_free(&path) {
         number += 1;

@@ -257,6 +257,11 @@ mod tests {
         assert_eq!(check::free_path(&run, &name), path(".toml"));
         std::fs::write(path(".toml"), "mine").unwrap();
         assert_eq!(check::free_path(&run, &name), path("-3.toml"));
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("nowhere", path("-3.toml")).unwrap();
+            assert_eq!(check::free_path(&run, &name), path("-4.toml"));
+        }
     }
 
     #[test]

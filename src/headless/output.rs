@@ -79,8 +79,21 @@ pub(super) fn canonical(path: &Path) -> PathBuf {
     if is_stdout(path) || is_behind_stdout(path) {
         return "-".into();
     }
+    let path = &past_broken_links(path);
     let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
+}
+
+/// The path itself, or, where it is a link to nothing, that of what would be there.
+fn past_broken_links(path: &Path) -> PathBuf {
+    let mut path = path.to_owned();
+    // Of links in a circle the system says so, which is another error.
+    while fs::metadata(&path).is_err_and(|error| error.kind() == io::ErrorKind::NotFound)
+        && let Ok(target) = fs::read_link(&path)
+    {
+        path = path.with_file_name(target);
+    }
+    path
 }
 
 /// Whether nothing stands behind the last name in a path.
@@ -115,13 +128,21 @@ impl Output {
     /// # Errors
     /// [`OutputError`] where nothing can be written there.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
-        let wrong = |source| OutputError { path: path.to_owned(), source };
+        let place = past_broken_links(path);
+        let wrong = |error: io::Error| {
+            let source = if place == path {
+                error
+            } else {
+                io::Error::new(error.kind(), format!("this is a link to {}, and {error}", place.display()))
+            };
+            OutputError { path: path.to_owned(), source }
+        };
         if is_stdout(path) {
             let target = Target::Stdout(BufWriter::new(io::stdout()));
             return Ok(Self { path: path.to_owned(), target });
         }
         // The target of a link to a file is replaced, not the link.
-        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let path = fs::canonicalize(&place).unwrap_or_else(|_| place.clone());
         let target = match fs::metadata(&path) {
             Ok(found) if found.is_dir() => return Err(wrong(io::ErrorKind::IsADirectory.into())),
             Ok(found) if !found.is_file() => {

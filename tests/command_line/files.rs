@@ -127,6 +127,39 @@ fn a_path_where_no_file_can_be_is_known_before_the_run_with_what_would_do() {
 
 #[cfg(unix)]
 #[test]
+fn an_output_to_a_link_stands_where_the_link_leads_whether_a_file_was_there_or_not() {
+    use std::os::unix::fs::symlink;
+    let here = folder();
+    let link = |target: &str, name: &str| symlink(target, here.path().join(name)).unwrap();
+    let is_link = |name: &str| here.path().join(name).is_symlink();
+    fs::create_dir(here.path().join("to")).unwrap();
+    fs::write(here.path().join("to/old.csv"), "old").unwrap();
+    link("to/old.csv", "old");
+    link("to/new.csv", "new");
+    link(here.path().join("new").to_str().unwrap(), "twice");
+    for name in ["old", "twice", "new"] {
+        succeed(&here, &["run", "draw", "--seconds", "0", "--trace", name]);
+        assert!(is_link(name) && fs::read_to_string(here.path().join(name)).unwrap().starts_with("frame,"));
+    }
+    assert_eq!(names(&here.path().join("to")), ["new.csv", "old.csv"]);
+    // Two ways to a place where nothing is yet are two ways to one place.
+    link("to/other", "other");
+    let same = ["run", "draw", "--trace", "to/other", "--image", "other"];
+    fail(&here, &same, 2, "two outputs go to other; give each a path of its own");
+    link("none/it.csv", "astray");
+    link("none/", "folder");
+    link("round", "round");
+    let says = "astray: this is a link to none/it.csv, and there is no folder none; this file was not written; make the \
+                folder first, or give another";
+    fail(&here, &["run", "gravity", "--seconds", "1e6", "--trace", "astray"], 1, says);
+    let says = "folder: this is a link to none/, and a path that ends with a slash";
+    fail(&here, &["run", "gravity", "--seconds", "1e6", "--trace", "folder"], 1, says);
+    fail(&here, &["run", "gravity", "--seconds", "1e6", "--trace", "round"], 1, "round: ");
+    assert!(is_link("astray") && is_link("round") && !here.path().join("none").exists());
+}
+
+#[cfg(unix)]
+#[test]
 fn a_device_is_written_to_and_not_replaced() {
     use std::os::unix::fs::FileTypeExt;
     let here = folder();
