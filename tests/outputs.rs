@@ -234,6 +234,38 @@ fn a_folder_that_may_only_be_read_is_an_error_at_once() {
     }
 }
 
+#[test]
+fn a_write_protected_file_is_kept_and_known_before_the_run() {
+    use std::os::unix::fs::PermissionsExt;
+    let here = folder();
+    let set_mode = |path: &Path, mode| fs::set_permissions(path, fs::Permissions::from_mode(mode)).unwrap();
+    set_mode(here.path(), 0o777);
+    let trace = |seconds, path| {
+        let args = ["run", "gravity", "--seconds", seconds, "--trace", path];
+        as_anyone().args(args).current_dir(here.path()).output()
+    };
+    // Their own file, in a folder where they may replace it.
+    let file = here.path().join("t.csv");
+    if let Err(error) = trace("0", "t.csv") {
+        eprintln!("skipped: nobody else may run the program here: {error}");
+        return;
+    }
+    let before = fs::read(&file).unwrap();
+    std::os::unix::fs::symlink("t.csv", here.path().join("link")).unwrap();
+    set_mode(&file, 0o444);
+    for path in ["t.csv", "link"] {
+        let begun = Instant::now();
+        let says =
+            format!("{path}: the file that is there is write-protected; this file was not written; allow");
+        assert_fails(&trace("1e6", path).unwrap(), &says);
+        assert!(begun.elapsed() < Duration::from_secs(20), "known before what takes long");
+    }
+    assert_eq!((fs::read(&file).unwrap(), names(here.path())), (before, vec!["link".into(), "t.csv".into()]));
+    // Where they may write, it is replaced.
+    set_mode(&file, 0o644);
+    assert!(trace("1", "t.csv").unwrap().status.success());
+}
+
 #[cfg(feature = "report")]
 #[test]
 fn a_report_into_a_file_is_an_error_that_names_it() {

@@ -50,6 +50,9 @@ fn remedy(path: &Path, source: &io::Error) -> &'static str {
         io::ErrorKind::FileTooLarge => {
             "; this file was not written; allow larger files (ulimit -f), or ask for less"
         }
+        io::ErrorKind::PermissionDenied => {
+            "; this file was not written; allow writing there (chmod), or give another path"
+        }
         _ => "; this file was not written; check that the folder may be written to and has room",
     }
 }
@@ -101,6 +104,20 @@ fn ends_with_a_name(path: &Path) -> bool {
     let (path, name) = (path.as_os_str().as_encoded_bytes(), path.file_name());
     name.is_some_and(|name| path.ends_with(name.as_encoded_bytes()))
 }
+
+/// Refuses a file that the user may not write to: putting another into its place takes leave of the folder alone.
+fn check_writable(path: &Path) -> io::Result<()> {
+    match File::options().append(true).open(path) {
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
+            Err(io::Error::new(error.kind(), WRITE_PROTECTED))
+        }
+        // Whatever else keeps it from being opened, it may be replaced.
+        _ => Ok(()),
+    }
+}
+
+/// What is said of a file that the user may not write to.
+const WRITE_PROTECTED: &str = "the file that is there is write-protected";
 
 /// The folder that a file is in.
 fn folder(path: &Path) -> &Path {
@@ -155,7 +172,12 @@ impl Output {
                 let message = "a path that ends with a slash or with a dot is that of a folder";
                 return Err(wrong(io::Error::new(io::ErrorKind::InvalidFilename, message)));
             }
-            _ => Target::Temporary(BufWriter::new(Unfinished::beside(&path, folder(&path)).map_err(wrong)?)),
+            found => {
+                if found.is_ok() {
+                    check_writable(&path).map_err(wrong)?;
+                }
+                Target::Temporary(BufWriter::new(Unfinished::beside(&path, folder(&path)).map_err(wrong)?))
+            }
         };
         Ok(Self { path, target })
     }
