@@ -60,7 +60,8 @@ impl Check {
         simulation: &Simulation,
     ) -> Result<(), Box<Broken>> {
         self.ledger.check(simulation).map_err(|violation| {
-            let path = free_path(run, &format!("{}-frame-{}", run.course.scene().name(), frame - 1));
+            let name = shortened(run.course.scene().name());
+            let path = free_path(run, &format!("{name}-frame-{}", frame - 1));
             let rain = if run.course.scene().rain().is_some() { RAIN_IS_LEFT_OUT } else { "" };
             let text = format!(
                 "# `carom run {} --solver {} --check`, with the other options that it had, broke the law of {} in\n\
@@ -100,10 +101,37 @@ pub(super) fn free_path(run: &Run, name: &str) -> PathBuf {
 const RAIN_IS_LEFT_OUT: &str =
     "# The balls that had rained in are in it, the rain is not: what falls in with that frame is missing.\n";
 
-/// A word of a command as a shell takes it: in quotes where it has characters that mean something there.
+/// The most bytes of a scene's name in that of a file: file systems take 255, with a frame's number and one of the file's own.
+const LONGEST_NAME: usize = 200;
+
+/// As much of a scene's name as the name of a file has room for.
+fn shortened(name: &str) -> &str {
+    let ends = name.char_indices().map(|(at, c)| at + c.len_utf8());
+    &name[..ends.take_while(|&end| end <= LONGEST_NAME).last().unwrap_or_default()]
+}
+
+/// A word of a command as a shell takes it: in quotes where it has characters that mean something there. Control characters, which
+/// no comment of a scene file may have, are written by their bytes.
 fn in_shell(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "-_./+,:@%".contains(c);
-    if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    if word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    if !word.contains(char::is_control) {
+        return format!("'{}'", word.replace('\'', "'\\''"));
+    }
+    let mut quoted = "$'".to_owned();
+    for c in word.chars() {
+        match c {
+            '\'' | '\\' => quoted.extend(['\\', c]),
+            c if c.is_control() => {
+                let bytes = c.to_string().into_bytes();
+                quoted.extend(bytes.into_iter().map(|byte| format!("\\{byte:03o}")));
+            }
+            c => quoted.push(c),
+        }
+    }
+    quoted + "'"
 }
 
 /// The world and the solver of `simulation`, with `balls`, as a scene file.
@@ -125,9 +153,18 @@ mod tests {
             ("two words.toml", "'two words.toml'"),
             ("it's.toml", "'it'\\''s.toml'"),
             ("$(ls).toml", "'$(ls).toml'"),
+            ("a\nb\u{1b}1\tc.toml", "$'a\\012b\\0331\\011c.toml'"),
+            ("it's \\ \u{85}\r.toml", "$'it\\'s \\\\ \\302\\205\\015.toml'"),
         ] {
             assert_eq!(in_shell(word), taken);
         }
+    }
+
+    #[test]
+    fn a_name_is_shortened_where_no_file_could_have_it_and_at_whole_characters() {
+        assert_eq!(shortened("mine"), "mine");
+        assert_eq!(shortened(&"a".repeat(249)), "a".repeat(200));
+        assert_eq!(shortened(&format!("a{}", "é".repeat(120))), format!("a{}", "é".repeat(99)));
     }
 
     #[test]

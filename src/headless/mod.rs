@@ -295,6 +295,34 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_is_left_behind_as_a_scene_file_whatever_the_scene_is_called() {
+        let scene = "size = [400, 300]\n[[ball]]\nposition = [200, 150]\nradius = 5\nvelocity = [30, 0]\n";
+        let faster = scene.replace("[30, 0]", "[31, 0]");
+        for (name, left) in [
+            ("a\nb\u{1b}[1m\u{7f}", "a\nb\u{1b}[1m\u{7f}-frame-1.toml".to_owned()),
+            (&*"n".repeat(249), format!("{}-frame-1.toml", "n".repeat(200))),
+        ] {
+            let scene = Scene::parse(&format!("{name}.toml"), scene).unwrap();
+            let checked =
+                Run { course: Course::Frames(scene.into(), Frames::even(1.0, 60.0).unwrap()), ..checked("") };
+            let mut other = Some(Scene::parse("faster.toml", &faster).unwrap().build().unwrap());
+            let result = run_by(&checked, |player, frame, wait| {
+                let Player::Frames { simulation, .. } = player else { panic!("no replay") };
+                if frame == 1 {
+                    **simulation = other.take().unwrap();
+                }
+                player.advance(frame, wait)
+            });
+            let Err(RunError::Broken(broken)) = result else { panic!("{result:?}") };
+            let path = broken.file.as_ref().unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(path, Path::new(&left));
+            let text = std::fs::read_to_string(path).unwrap();
+            std::fs::remove_file(path).unwrap();
+            assert!(Scene::parse("left.toml", &text).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
     fn the_first_frame_that_breaks_a_law_ends_the_run_and_leaves_the_frame_before() {
         let scene =
             "size = [400, 300]\n[walls]\n[[ball]]\nposition = [200, 150]\nradius = 5\nvelocity = [30, 0]\n";
