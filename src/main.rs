@@ -110,6 +110,9 @@ impl Failure {
     fn options(&self) -> &'static str {
         match self {
             Self::Run(RunError::Scene(SceneError::NoRoom { .. })) => " (--balls, --size)",
+            Self::Run(RunError::Scene(SceneError::SmallWorld { .. })) => " (--size)",
+            #[cfg(feature = "window")]
+            Self::Window(WindowError::Scene(SceneError::SmallWorld { .. })) => " (--size)",
             #[cfg(feature = "window")]
             Self::Window(WindowError::Scene(SceneError::NoRoom { .. })) => " (--balls, --size)",
             #[cfg(feature = "window")]

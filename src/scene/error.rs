@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
+use glam::DVec2;
 use thiserror::Error;
 
 use crate::simulation::BuildError;
@@ -51,6 +52,22 @@ pub enum SceneError {
     /// The text is not a scene.
     #[error("{0}")]
     Wrong(Fault),
+    /// A built-in scene's own random balls do not fit into a world of this size.
+    #[error(
+        "{scene} does not fit into a world of {}x{} px: only {placed} of {count} balls found room; ask for a larger one, or \
+         for another scene",
+        size.x, size.y
+    )]
+    SmallWorld {
+        /// The scene's name.
+        scene: String,
+        /// The size asked for, px.
+        size: DVec2,
+        /// How many of the balls of one of its fills found a place.
+        placed: usize,
+        /// How many there are to be.
+        count: usize,
+    },
     /// Balls that were asked for outside of a file do not fit.
     #[error("{placed} of the {count} balls to add found room; ask for fewer, or for a larger world")]
     NoRoom {

@@ -280,6 +280,12 @@ impl Scene {
         self.rain.clone()
     }
 
+    /// What is said of a built-in scene in whose world only so many of a fill's balls find room: there is no file to mend.
+    fn in_a_small_world(&self, placed: usize, count: usize) -> Option<SceneError> {
+        catalogue::find(&self.origin).filter(|builtin| builtin.source == self.source)?;
+        Some(SceneError::SmallWorld { scene: self.origin.clone(), size: self.world.size(), placed, count })
+    }
+
     /// The simulation that this scene describes, at time 0, with its fills placed and its balls added. It may use all cores
     /// ([`Simulation::with_threads`]).
     ///
@@ -293,6 +299,9 @@ impl Scene {
         for (stream, fill) in (0..).zip(&self.fills) {
             let placed = fill.place(&self.world, &balls, stream);
             if placed.len() < fill.count {
+                if let Some(error) = self.in_a_small_world(placed.len(), fill.count) {
+                    return Err(error);
+                }
                 let found = match fill.count {
                     1 => "the fill's ball found no room".to_owned(),
                     count => format!("only {} of the fill's {count} balls found room", placed.len()),

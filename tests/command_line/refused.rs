@@ -69,6 +69,14 @@ fn calls_that_make_no_sense_exit_with_2_and_say_what_would() {
             &["run", "full.toml", "--balls", "3"],
             "found room; ask for fewer, or for a larger world (--balls, --size)",
         ),
+        (
+            &["run", "pile", "--size", "1000x500"],
+            "carom: pile does not fit into a world of 1000x500 px: only 1968 of 2000 balls found room; ask for a larger \
+             one, or for another scene (--size)\n",
+        ),
+        (&["run", "galton", "--size", "400x400"], "galton does not fit into a world of 400x400 px: only "),
+        #[cfg(feature = "window")]
+        (&["pile", "--size", "1000x500"], "ask for a larger one, or for another scene (--size)\n"),
         #[cfg(feature = "window")]
         (&["gravity", "--size", "100x100"], "wider than the world (100x100 px)"),
         (&["nosuch"], "there is no scene \"nosuch\""),
