@@ -5,7 +5,6 @@ use super::pace::Pace;
 use super::tape::{Entry, Taken};
 use super::{STEP, Session};
 use crate::scene::{self, Scene};
-use crate::simulation::Solver;
 
 impl Session {
     /// Does what a command says.
@@ -56,7 +55,7 @@ impl Session {
             Command::Scene(number) => self.go_to(number)?,
             Command::NextScene => self.go_by(1)?,
             Command::PreviousScene => self.go_by(-1)?,
-            Command::NextSolver => self.change(Change::Solver(next_solver(self.state.solver())))?,
+            Command::NextSolver => self.change(Change::Solver(self.state.solver().next()))?,
             Command::Reseed => self.reseed()?,
             Command::ToggleComparison => self.change(Change::Compare(self.state.truth.is_none()))?,
             Command::Change(change) => self.change(change)?,
@@ -123,9 +122,4 @@ impl Session {
 /// The time scale after this one: `next`, or 1 where that lies between. No doubles of 0.3 come to 1.
 fn stopping_at_1(scale: f64, next: f64) -> f64 {
     if (scale - 1.0) * (next - 1.0) < 0.0 { 1.0 } else { next }
-}
-
-fn next_solver(solver: Solver) -> Solver {
-    let here = Solver::ALL.iter().position(|&other| other == solver).unwrap_or(0);
-    Solver::ALL[(here + 1) % Solver::ALL.len()]
 }

@@ -164,6 +164,12 @@ impl Solver {
         }
     }
 
+    /// The one after it, in the order in which the window goes through them.
+    pub(crate) fn next(self) -> Self {
+        let here = Self::ALL.iter().position(|&other| other == self).unwrap_or(0);
+        Self::ALL[(here + 1) % Self::ALL.len()]
+    }
+
     /// A solver of this kind, made for a world and its balls.
     pub(super) fn engine(self, world: &World, balls: &[Ball], tuning: Tuning) -> Box<dyn Advance> {
         match self {

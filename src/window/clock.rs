@@ -56,52 +56,9 @@ impl FrameRate {
     }
 }
 
-/// Whether simulating or presenting is what frames wait for, over about the last second.
-#[derive(Debug, Default)]
-pub(super) struct Burden {
-    /// Seconds, those of earlier frames counted for less and less.
-    simulating: f64,
-    presenting: f64,
-}
-
-impl Burden {
-    /// Notes how long a frame took to simulate and to present.
-    pub(super) fn note(&mut self, simulating: Duration, presenting: Duration) {
-        let [simulating, presenting] = [simulating, presenting].map(|time| time.as_secs_f64());
-        // What fades is as much as comes in, once that is a second.
-        let kept = (1.0 - simulating - presenting).max(0.0);
-        self.simulating = kept * self.simulating + simulating;
-        self.presenting = kept * self.presenting + presenting;
-    }
-
-    /// Whether it is simulating.
-    pub(super) fn is_simulating(&self) -> bool {
-        self.simulating > self.presenting
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn frames_wait_for_what_has_taken_longer_for_about_a_second() {
-        let mut burden = Burden::default();
-        let frames = |burden: &mut Burden, simulating, presenting| {
-            let [simulating, presenting] = [simulating, presenting].map(Duration::from_millis);
-            (1..300).find(|_| {
-                let before = burden.is_simulating();
-                burden.note(simulating, presenting);
-                burden.is_simulating() != before
-            })
-        };
-        assert_eq!(frames(&mut burden, 1, 16), None);
-        let longer = frames(&mut burden, 25, 8).unwrap();
-        assert!((10..100).contains(&longer), "as for a solver that is cut short: {longer} frames");
-        let longer = frames(&mut burden, 25, 200).unwrap();
-        assert!((1..20).contains(&longer), "as where only the processor draws: {longer} frames");
-        assert!(!burden.is_simulating());
-    }
 
     #[test]
     fn the_first_frame_and_the_first_after_a_stop_take_no_time() {

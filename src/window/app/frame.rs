@@ -92,8 +92,6 @@ impl App {
             return Ok(());
         }
         self.split = [advanced - start, painted - advanced, presented.upload + presented.present];
-        let [simulating, _, presenting] = self.split;
-        self.burden.note(simulating, presenting);
         if let Some(timings) = &self.options.timings {
             timings.lock().add([advanced - start, painted - advanced, presented.upload, presented.present]);
         }

@@ -23,7 +23,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
-use super::clock::{Burden, FrameClock, FrameRate};
+use super::clock::{FrameClock, FrameRate};
 use super::create::create;
 use super::hands::Hands;
 use super::messages::{Messages, Tone};
@@ -94,8 +94,6 @@ pub(super) struct App {
     gauge: Option<Gauge>,
     /// How long it took to advance, to paint and to present the last frame.
     split: [Duration; 3],
-    /// Which of the first and the last of these frames wait for.
-    burden: Burden,
     /// Until when it is shown where gravity pulls.
     gravity_until: Option<Instant>,
     messages: Messages,
@@ -269,7 +267,6 @@ impl App {
             time: 0.0,
             gauge: None,
             split: [Duration::ZERO; 3],
-            burden: Burden::default(),
             gravity_until: None,
             messages: Messages::new(options.quiet, Instant::now()),
             own: scene.file().map(|_| scene.clone()),

@@ -68,8 +68,8 @@ impl App {
     /// What is to be painted over the balls `now`, `measured` seconds after the frame before.
     pub(super) fn overlay(&mut self, room: Room, measured: f64, now: Instant) -> Overlay {
         let session = &self.session;
-        let slow = session.is_behind() && !session.is_paused() && self.burden.is_simulating();
-        let behind = slow && !self.options.quiet;
+        // Only what the solver was cut short in counts as lost: frames that take long to present are simulated all the same.
+        let behind = session.is_behind() && !session.is_paused() && !self.options.quiet;
         let sheet = if self.help {
             Some(Sheet::Help(self.help_page))
         } else {

@@ -33,8 +33,7 @@ pub(super) struct Warning {
 
 impl Warning {
     pub(super) fn new(picture: DVec2, solver: Solver, scale: f64) -> Self {
-        let solvers: Vec<_> = Solver::ALL.iter().map(|solver| solver.name()).collect();
-        let [why, what] = behind_text(solver.name(), &solvers);
+        let [why, what] = behind_text(solver);
         let hint = what.split(',').next().unwrap_or_default().to_owned();
         let texts = [vec![why, what], vec![SHORT.to_owned(), hint]];
         let tries = texts.iter().flat_map(|text| SIZES.map(|size| (text, size * scale)));
@@ -78,21 +77,20 @@ impl Warning {
     }
 }
 
-/// What the warning says: two sentences, for the solver in use and the names of all there are.
-fn behind_text(solver: &str, solvers: &[&str]) -> [String; 2] {
+/// What the warning says of this solver: two sentences.
+fn behind_text(solver: Solver) -> [String; 2] {
     // Only events follow every impact: the others have so much to do for each ball.
-    let why = if solver == "exact" {
-        format!("{solver} has more impacts here than it can follow in real time, so time runs slower.")
+    let why = if solver == Solver::Exact {
+        format!("{solver} has more impacts here than there is time for, so time runs slower.")
     } else {
-        format!("{solver} takes longer for a frame here than a frame lasts, so time runs slower.")
+        format!("{solver} takes longer for a frame here than there is time for, so time runs slower.")
     };
-    let piles = "contact";
+    let piles = Solver::Contact;
     let what = if solver == piles {
         "D: see what takes the time.".to_owned()
-    } else if solvers.contains(&piles) {
-        format!("S: take the solver {piles}, which is meant for piles.")
     } else {
-        "S: take another solver.".to_owned()
+        let keys = if solver.next() == piles { "S" } else { "S twice" };
+        format!("{keys}: take the solver {piles}, which is meant for piles.")
     };
     [why, what]
 }
@@ -104,15 +102,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_warning_names_the_solver_for_piles_where_there_is_one() {
-        let [why, what] = behind_text("exact", &["canvas", "exact"]);
-        assert!(why.starts_with("exact has more impacts here") && why.contains("time runs slower"));
-        assert_eq!(what, "S: take another solver.");
-        let [_, what] = behind_text("exact", &["canvas", "exact", "contact"]);
-        assert_eq!(what, "S: take the solver contact, which is meant for piles.");
-        let [why, what] = behind_text("contact", &["canvas", "exact", "contact"]);
-        assert!(why.starts_with("contact takes longer for a frame") && why.contains("time runs slower"));
-        assert_eq!(what, "D: see what takes the time.");
+    fn the_warning_says_how_often_s_leads_to_the_solver_for_piles() {
+        for &solver in Solver::ALL {
+            let [why, what] = behind_text(solver);
+            assert!(why.starts_with(solver.name()) && why.contains("time runs slower"), "{why}");
+            let presses = match what.split_once(": take the solver contact").map(|(keys, _)| keys) {
+                None => 0,
+                Some("S") => 1,
+                Some("S twice") => 2,
+                Some(keys) => panic!("{keys}"),
+            };
+            let reached = (0..presses).fold(solver, |solver, _| solver.next());
+            assert_eq!(reached, Solver::Contact, "{what}");
+        }
+        assert_eq!(behind_text(Solver::Contact)[1], "D: see what takes the time.");
     }
 
     /// Where the warning's text reaches, px from the left, and how high its strip is, in a picture of this size.

@@ -1,6 +1,8 @@
 //! What is seen over the balls, and saved with them.
 
+use super::super::super::overlay::Sheet;
 use super::*;
+use crate::simulation::Solver;
 
 #[test]
 fn what_the_hand_is_on_or_holds_is_not_drawn_over_the_help_or_the_list_of_scenes() {
@@ -58,6 +60,23 @@ fn a_picture_saved_in_the_same_instant_as_another_key_shows_what_that_key_has_do
     assert!(saved(&mut app) != closed);
     app.leave(Instant::now());
     assert!(saved(&mut app) == closed, "the list of scenes was left");
+}
+
+#[test]
+fn it_is_said_that_time_runs_slower_where_frames_are_cut_short_and_not_where_they_are_only_long() {
+    let room = Room { picture: DVec2::new(1280.0, 720.0), scale: 1.0 };
+    for present in [Duration::ZERO, Duration::from_millis(70), Duration::from_millis(400)] {
+        let mut app = app("pile");
+        app.split = [Duration::from_millis(25), Duration::ZERO, present];
+        let sheet = |app: &mut App, cut: bool| {
+            for _ in 0..20 {
+                app.session.advance_while(present.as_secs_f64().max(STEP), || !cut).unwrap();
+            }
+            app.overlay(room, 0.0, Instant::now()).sheet
+        };
+        assert_eq!(sheet(&mut app, false), None, "{present:?}");
+        assert_eq!(sheet(&mut app, true), Some(Sheet::Behind(Solver::Contact)), "{present:?}");
+    }
 }
 
 #[test]
