@@ -166,6 +166,9 @@ pub enum CommandError {
     /// Where balls fall in by chance, there is no one truth.
     #[error("rain cannot be compared: where balls find room depends on the others")]
     RainNotCompared,
+    /// What is played is the truth.
+    #[error("exact is the solver already: S takes another, to compare with it")]
+    ExactNotCompared,
     /// The scene cannot be shown.
     #[error(transparent)]
     Scene(#[from] SceneError),

@@ -384,8 +384,8 @@ impl Session {
         Some(replay::write(&self.opened, self.seed, self.tape.whole()?))
     }
 
-    /// Plays another scene in a world of the same size, with pause, time scale and comparison as they are. From there
-    /// one cannot go back to what was played before.
+    /// Plays another scene in a world of the same size, with pause, time scale and comparison as they are; where `exact` plays, or
+    /// rain falls, nothing is compared. From there one cannot go back to what was played before.
     ///
     /// # Errors
     /// [`SceneError`] where the scene's balls do not fit; what is played is as before then.
@@ -397,7 +397,7 @@ impl Session {
             Some(session) => session,
             None => Self::new(scene, self.seed)?,
         };
-        // No world refuses the size of another, and rain refuses to be compared.
+        // No world refuses the size of another, and rain and `exact` refuse to be compared.
         let _ = session.resize(size);
         if self.state.truth.is_some() {
             let _ = session.change(Change::Compare(true));

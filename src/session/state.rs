@@ -231,9 +231,9 @@ impl State {
         self.fresh = true;
         (self.pulled, self.carried) = (false, false);
         self.given = energy(&self.simulation);
-        if self.truth.is_some() {
-            self.truth = Some(Truth::of(&self.simulation));
-        }
+        // What another solver did before stays compared while `exact` goes on with it; from here on it did nothing.
+        let compares = self.truth.is_some() && solver != Solver::Exact;
+        self.truth = compares.then(|| Truth::of(&self.simulation));
         Ok(())
     }
 
@@ -385,6 +385,9 @@ impl State {
     fn compare(&mut self, on: bool) -> Result<(), CommandError> {
         if on && self.rain.is_some() {
             return Err(CommandError::RainNotCompared);
+        }
+        if on && self.solver() == Solver::Exact {
+            return Err(CommandError::ExactNotCompared);
         }
         self.truth = on.then(|| Truth::of(&self.simulation));
         Ok(())

@@ -23,10 +23,7 @@ impl Truth {
     /// The truth about a simulation from now on.
     pub(super) fn of(simulation: &Simulation) -> Self {
         let mut simulation = simulation.clone();
-        if simulation.solver() != Solver::Exact {
-            // Anew, it would not know any more which balls were about to come to rest.
-            simulation.set_solver(Solver::Exact);
-        }
+        simulation.set_solver(Solver::Exact);
         Self { simulation, errors: vec![(0.0, 0.0)], time: 0.0, spacing: 1, frames: 0 }
     }
 

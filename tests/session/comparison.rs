@@ -36,14 +36,26 @@ fn a_comparison_begins_without_error_shows_it_growing_and_goes_back_with_time() 
 }
 
 #[test]
-fn exact_is_where_exact_says_also_from_the_middle_of_settling() {
-    let mut session = session("gravity", Solver::Exact);
-    // Balls chatter, lean and come to rest from 2.2 s on.
-    (0..150).for_each(|frame| session.advance(delta(frame)).unwrap());
-    session.apply(Command::ToggleComparison).unwrap();
-    (0..150).for_each(|frame| session.advance(delta(frame)).unwrap());
-    assert_eq!(session.truth().unwrap().balls(), session.simulation().balls());
-    assert!(session.errors().len() > 100 && session.errors().iter().all(|&(_, error)| error == 0.0));
+fn exact_is_not_compared_with_itself_and_what_another_solver_did_stays_compared_until_a_reset() {
+    let mut session = session("elastic", Solver::Exact);
+    let refused = session.apply(Command::ToggleComparison);
+    assert!(matches!(refused, Err(CommandError::ExactNotCompared)) && session.truth().is_none());
+    let mut play = |commands: &[Command]| {
+        for &command in commands {
+            session.apply(command).unwrap();
+        }
+        (0..60).for_each(|frame| session.advance(delta(frame)).unwrap());
+        session.errors().last().map(|&(_, error)| error)
+    };
+    let take = |solver| Command::Change(Change::Solver(solver));
+    let by_canvas = play(&[take(Solver::Canvas), Command::ToggleComparison]).unwrap();
+    assert!(by_canvas > 1e-3, "{by_canvas}");
+    let after_exact = play(&[take(Solver::Exact)]).unwrap();
+    assert!(after_exact > 1e-3, "{after_exact}");
+    assert_eq!(play(&[Change::Reset.into()]), None);
+    // So it is where another scene begins.
+    assert!(play(&[take(Solver::Canvas), Command::ToggleComparison]).is_some());
+    assert_eq!(play(&[Command::Scene(7)]), None);
 }
 
 #[test]

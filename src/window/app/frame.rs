@@ -140,7 +140,8 @@ impl App {
             return Ok(measured);
         }
         if self.rewinding == Rewinding::No {
-            let compared = self.session.truth().is_some();
+            // In the past, a comparison ends where it did.
+            let compared = self.session.truth().is_some() && !self.session.is_in_the_past();
             self.session.advance_while(measured, go_on)?;
             if compared && self.session.truth().is_none() {
                 self.complain("exact cannot follow here in real time: no longer compared".to_owned());

@@ -36,7 +36,7 @@ fn a_picture_saved_in_the_same_instant_as_another_key_shows_what_that_key_has_do
     let press = |app: &mut App, action: Action| hold(app, action, false);
     let (reset, draw) = (Action::Do(Change::Reset.into()), Action::Do(Command::Scene(0)));
     for over in [Action::ToggleFigures, Action::Do(Command::ToggleComparison), Action::ToggleTrails] {
-        let [mut one, mut other] = ["elastic", "draw"].map(app);
+        let [mut one, mut other] = ["detect", "draw"].map(app);
         for app in [&mut one, &mut other] {
             press(app, over);
             saved(app);
