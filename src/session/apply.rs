@@ -47,7 +47,7 @@ impl Session {
             Command::StepToImpact => self.step_to_impact(),
             Command::Back => {
                 if !self.begin_back() {
-                    return Err(CommandError::NoEarlier);
+                    return Err(self.nothing_before());
                 }
             }
             Command::Slower => self.set_time_scale(stopping_at_1(self.time_scale, self.time_scale / 2.0)),

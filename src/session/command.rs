@@ -154,7 +154,10 @@ pub enum CommandError {
     /// The ball cannot be moved.
     #[error("this ball is fixed")]
     Fixed,
-    /// There is no earlier frame to go back to.
+    /// There is no earlier frame to go back to: the scene begins here.
+    #[error("this is the start")]
+    AtStart,
+    /// What was before is forgotten.
     #[error("this is as far back as is remembered")]
     NoEarlier,
     /// Nothing meets for a long time.

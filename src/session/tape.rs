@@ -141,6 +141,11 @@ impl Tape {
         (self.first == 0).then(|| self.entries.iter().take(self.at).map(|taken| &taken.entry))
     }
 
+    /// Whether one can go back to where the scene began.
+    pub(super) fn reaches_start(&self) -> bool {
+        self.keys.front().is_some_and(|key| key.at == 0)
+    }
+
     /// The entry that comes next, where the present is not the end of the tape.
     pub(super) fn next(&self) -> Option<&Taken> {
         self.entries.get(self.at - self.first)
@@ -305,7 +310,7 @@ mod tests {
             assert_eq!(back(&mut tape).unwrap().simulation.balls(), expected);
         }
         // The state before the first frame is no frame.
-        assert!(back(&mut tape).is_none());
+        assert!(back(&mut tape).is_none() && tape.reaches_start());
         let mut state = going(&mut tape, 1);
         for expected in &shown[1..] {
             tape.play(&mut state);
@@ -372,7 +377,7 @@ mod tests {
         let bytes: usize = tape.keys.iter().map(|key| key.state.bytes()).sum();
         assert!(bytes <= MOST_BYTES, "{bytes}");
         let reach = tape.watched - tape.keys[0].watched;
-        assert!(reach >= KEPT, "{reach}");
+        assert!(reach >= KEPT && !tape.reaches_start(), "{reach}");
         assert!(tape.keys.iter().zip(tape.keys.iter().skip(1)).all(|(one, next)| one.at < next.at));
     }
 

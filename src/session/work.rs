@@ -106,6 +106,11 @@ impl Session {
         found
     }
 
+    /// Why one cannot go back any further, where one cannot.
+    pub(crate) fn nothing_before(&self) -> CommandError {
+        if self.tape.reaches_start() { CommandError::AtStart } else { CommandError::NoEarlier }
+    }
+
     /// While paused: steps to just after the next impact, or by a frame where that cannot be known.
     pub(super) fn step_to_impact(&mut self) {
         let in_the_past = self.is_in_the_past() || self.between.is_some();

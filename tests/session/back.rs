@@ -37,7 +37,7 @@ fn going_back_and_on_again_gives_the_same_bits_with_every_solver_and_through_cha
             session.apply(Command::Back).unwrap();
             assert_eq!(&balls(&session), expected, "{scene}, {solver}: back");
         }
-        assert!(matches!(session.apply(Command::Back), Err(CommandError::NoEarlier)));
+        assert!(matches!(session.apply(Command::Back), Err(CommandError::AtStart)));
         for expected in &seen[1..] {
             session.apply(Command::Step).unwrap();
             session.advance(0.0).unwrap();

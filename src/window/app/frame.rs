@@ -148,7 +148,7 @@ impl App {
             }
         } else if !self.session.rewind_while(measured, go_on) && self.rewinding == Rewinding::Back {
             self.rewinding = Rewinding::AtStart;
-            self.complain(CommandError::NoEarlier.to_string());
+            self.complain(self.session.nothing_before().to_string());
         }
         Ok(measured)
     }

@@ -22,6 +22,17 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     if grouped.chars().count() <= WIDTH { grouped } else { power(value) }
 }
 
+/// Whole numbers that are read beside each other: all with a power of ten where one is too long for its column.
+pub(super) fn alike<const COUNT: usize>(values: [f64; COUNT]) -> [String; COUNT] {
+    let plain = values.map(|value| number(value, 0));
+    // One that is nearly nothing has a power, too, which says nothing of the others.
+    let is_long = |(value, text): (&f64, &String)| value.abs() >= 1.0 && text.contains('e');
+    if !values.iter().zip(&plain).any(is_long) {
+        return plain;
+    }
+    values.map(|value| if value == 0.0 || !value.is_finite() { number(value, 0) } else { power(value) })
+}
+
 /// The same where there may be no number.
 pub(super) fn perhaps(value: Option<f64>, decimals: usize) -> String {
     value.map_or(NONE.to_owned(), |value| number(value, decimals))
@@ -72,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_read_as_people_write_them() {
+    fn numbers_read_as_people_write_them_and_those_beside_each_other_alike() {
         for (value, decimals, text) in [
             (0.0, 3, "0.000"),
             (-0.0, 3, "0.000"),
@@ -87,6 +98,8 @@ mod tests {
         ] {
             assert_eq!(number(value, decimals), text);
         }
+        assert_eq!(alike([0.3, 107_968_765.0]), ["3.0000e−1", "107 968 765"]);
+        assert_eq!(alike([1_763_912_345.0, 107_968_765.0, 0.0]), ["1.7639e9", "1.0797e8", "0"]);
         assert_eq!((perhaps(None, 2), perhaps(Some(1.0), 2)), ("–".to_owned(), "1.00".to_owned()));
     }
 }

@@ -11,7 +11,7 @@ use crate::paint::{BALL, Colour};
 use super::super::sheet::{Area, INK, QUIET, Rounded};
 use super::chart::{self, KINETIC, POTENTIAL};
 use super::gauge::{Figures, Gauge};
-use super::number::{WIDTH, number, perhaps};
+use super::number::{WIDTH, alike, number, perhaps};
 
 /// Size of the text, px.
 const TEXT_SIZE: f64 = 13.0;
@@ -112,7 +112,9 @@ struct Row {
 fn rows(figures: &Figures) -> Vec<Vec<Row>> {
     let row = |name, value, unit| Row { name, value, unit, colour: QUIET };
     let [advance, paint, present] = figures.split;
-    let [x, y] = figures.momentum;
+    let [x, y] = alike(figures.momentum);
+    let [energy, kinetic, potential] =
+        alike([figures.kinetic + figures.potential, figures.kinetic, figures.potential]);
     vec![
         vec![
             row("balls", number(figures.balls as f64, 0), ""),
@@ -128,13 +130,13 @@ fn rows(figures: &Figures) -> Vec<Vec<Row>> {
         vec![
             row("impacts", perhaps(figures.impact_rate, 1), "/s"),
             row("overlap", perhaps(figures.overlap, 5), "r"),
-            row("momentum x", number(x, 0), ""),
-            row("         y", number(y, 0), ""),
+            row("momentum x", x, ""),
+            row("         y", y, ""),
         ],
         vec![
-            row("energy", number(figures.kinetic + figures.potential, 0), ""),
-            Row { colour: KINETIC, ..row("  kinetic", number(figures.kinetic, 0), "") },
-            Row { colour: POTENTIAL, ..row("  potential", number(figures.potential, 0), "") },
+            row("energy", energy, ""),
+            Row { colour: KINETIC, ..row("  kinetic", kinetic, "") },
+            Row { colour: POTENTIAL, ..row("  potential", potential, "") },
             row("  change", perhaps(figures.change.map(|change| 100.0 * change), 4), "%"),
         ],
     ]
