@@ -78,7 +78,7 @@ fn trails_show_where_balls_went_and_cost_nothing_while_paused() {
 #[ignore = "needs Xvfb, xdotool and ImageMagick; run with --ignored"]
 fn a_hint_stands_at_the_start_and_fades_and_messages_come_and_go() {
     let display = Display::start();
-    let mut window = display.open_talking(&["draw", "--paused"], "1");
+    let mut window = display.open_talking(&["draw"], "1");
     let said = |window: &Window<'_>| count(&window.screenshot(), INK, 400..880, 660..720) > 20;
     window.wait("the hint", |window| said(window));
     window.wait("no hint", |window| !said(window));
@@ -87,7 +87,15 @@ fn a_hint_stands_at_the_start_and_fades_and_messages_come_and_go() {
     window.wait("no message", |window| !said(window));
     let without = picture(&["draw"]);
     window.wait("the picture without a message", |window| window.screenshot().difference(&without).is_none());
+    // Time that stands still is said for longer than messages are.
+    let paused = |window: &Window<'_>| count(&window.screenshot(), INK, 1150..1280, 660..720) > 20;
+    window.key("space");
+    window.wait("the message", |window| said(window) && paused(window));
+    window.wait("no message", |window| !said(window));
+    assert!(paused(&window));
     window.wait_idle();
+    window.key("space");
+    window.wait("the picture without it", |window| window.screenshot().difference(&without).is_none());
 }
 
 #[test]
@@ -120,7 +128,8 @@ fn in_a_small_window_a_message_stands_clear_of_the_figures() {
     let rows = |shown: &Screenshot, rows: Range<usize>| {
         rows.flat_map(|y| (0..200).map(move |x| (x, y))).map(|(x, y)| shown.at(x, y)).collect::<Vec<_>>()
     };
-    let said = |shown: &Screenshot| count(shown, INK, 0..200, low..150) > 5;
+    // Not in the corner, which says that time stands still.
+    let said = |shown: &Screenshot| count(shown, INK, 0..130, low..150) > 5;
     window.wait("no hint", |window| !said(&window.screenshot()));
     let before = window.still_screenshot();
     window.key("bracketleft");

@@ -100,6 +100,8 @@ impl App {
             sheet,
             page,
             recording: recorder.map(|_| now.saturating_duration_since(self.recording_since).as_secs()),
+            // Behind the list of scenes time stands still whatever was asked for.
+            paused: session.is_paused() && self.browser.is_none() && !self.options.quiet,
             message: self.messages.shown(now),
         };
         overlay.figures = self.figures(overlay.room_for_figures(room), measured);

@@ -48,6 +48,8 @@ pub(super) struct Overlay {
     pub(super) page: Option<Page>,
     /// How long a recording has run, s.
     pub(super) recording: Option<u64>,
+    /// Whether it is said that time stands still.
+    pub(super) paused: bool,
     pub(super) message: Option<Message>,
 }
 
@@ -136,6 +138,9 @@ impl Overlay {
         if let Some(recording) = &plan.recording {
             recording.paint_recording(pixmap, scale);
         }
+        if let Some(paused) = &plan.paused {
+            paused.paint_paused(pixmap, scale);
+        }
         if let (Some(message), Some(note)) = (&self.message, &plan.message) {
             note.paint_message(pixmap, message, scale);
         }
@@ -222,6 +227,7 @@ mod tests {
             gravity: has(1).then_some(DVec2::new(0.0, 980.0)),
             past: has(2).then(|| "looking for the next impact … · Esc: stop".to_owned()),
             recording: has(3).then_some(75),
+            paused: has(8),
             message: has(4).then_some(message),
             sheet,
             ..Overlay::default()
@@ -274,6 +280,22 @@ mod tests {
             // Of all together the dot, the message, and how far back one is.
             let plan = Plan::new(&some(0b1_0011_1111, room, &simulation, gauge), room);
             assert!(plan.recording.is_some() && plan.message.is_some() && plan.past.is_some());
+        }
+    }
+
+    #[test]
+    fn that_time_stands_still_is_said_beside_a_recording_however_small_the_window_and_gives_way_to_messages()
+    {
+        for (width, height) in &SIZES[..6] {
+            let room = Room { picture: DVec2::new(*width, *height), scale: 1.0 };
+            let message = Message { text: "long ".repeat(40), tone: Tone::Said, opacity: 1.0 };
+            let mut overlay = Overlay { paused: true, recording: Some(75), ..Overlay::default() };
+            assert_eq!(Plan::new(&overlay, room).areas().len(), 2, "{width}x{height}");
+            overlay.paused = false;
+            overlay.message = Some(message);
+            let alone = Plan::new(&overlay, room).message.unwrap().area;
+            overlay.paused = true;
+            assert_eq!(Plan::new(&overlay, room).message.unwrap().area, alone, "{width}x{height}");
         }
     }
 

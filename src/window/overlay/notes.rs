@@ -1,5 +1,5 @@
-//! What is said over the picture: messages, how far back in time one is, that a recording runs, and where gravity
-//! pulls.
+//! What is said over the picture: messages, how far back in time one is, that time stands still, that a recording runs, and
+//! where gravity pulls.
 
 use glam::DVec2;
 use tiny_skia::PixmapMut;
@@ -153,6 +153,15 @@ impl Note {
         note.at(corner)
     }
 
+    /// That time stands still, in the lower right corner, or beside the recording's dot that is there; as small as text is.
+    pub(super) fn paused(measures: &Measures, dot: Option<Area>) -> Self {
+        let Measures { picture, least, margin, .. } = *measures;
+        let note = Self::new(vec!["paused".to_owned()], least, 0.0);
+        let right = dot.map_or(picture.x - margin, |dot| dot.corner.x - margin / 2.0);
+        let corner = DVec2::new(right, picture.y - margin) - note.area.extent;
+        note.at(corner)
+    }
+
     /// A message at the lower edge, clear of what has its place already, of which `corners` are in the lower ones: as
     /// large as it fits, and if it does not, shortened; none where there is no room for a line.
     pub(super) fn message(
@@ -228,6 +237,10 @@ impl Note {
 
     pub(super) fn paint_past(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
         self.paint(pixmap, (Some(BALL), None), 1.0, scale);
+    }
+
+    pub(super) fn paint_paused(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {
+        self.paint(pixmap, (None, None), 1.0, scale);
     }
 
     pub(super) fn paint_recording(&self, pixmap: &mut PixmapMut<'_>, scale: f64) {

@@ -24,6 +24,7 @@ pub(super) struct Plan {
     pub(super) past: Option<Note>,
     pub(super) dial: Option<Area>,
     pub(super) recording: Option<Note>,
+    pub(super) paused: Option<Note>,
     pub(super) message: Option<Note>,
 }
 
@@ -55,6 +56,11 @@ impl Plan {
         let corners = [plan.dial, dot];
         plan.message =
             overlay.message.as_ref().and_then(|message| Note::message(message, &measures, &taken, corners));
+        // Last: it stays, and what does not is seen in its place meanwhile.
+        taken.extend(plan.message.as_ref().map(|note| note.area));
+        let paused = overlay.paused.then(|| Note::paused(&measures, dot));
+        plan.paused = paused
+            .filter(|note| note.area.is_inside(picture) && !taken.iter().any(|area| area.meets(&note.area)));
         plan
     }
 
@@ -82,8 +88,8 @@ impl Plan {
 
     /// Where everything is that has a place so far.
     pub(super) fn areas(&self) -> Vec<Area> {
-        let notes =
-            [&self.past, &self.recording, &self.message].map(|note| note.as_ref().map(|note| note.area));
+        let notes = [&self.past, &self.recording, &self.paused, &self.message];
+        let notes = notes.map(|note| note.as_ref().map(|note| note.area));
         let warning = self.warning.as_ref().map(Warning::area);
         let help = self.help.as_ref().map(|help| help.area);
         let plot = self.plot.map(|plot| plot.area);

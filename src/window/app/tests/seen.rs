@@ -80,6 +80,25 @@ fn it_is_said_that_time_runs_slower_where_frames_are_cut_short_and_not_where_the
 }
 
 #[test]
+fn that_time_stands_still_is_said_for_as_long_as_it_does_and_in_no_picture() {
+    let room = Room { picture: DVec2::new(1280.0, 720.0), scale: 1.0 };
+    let mut app = app("gravity");
+    let picture = saved(&mut app);
+    for paused in [true, false] {
+        hold(&mut app, Action::Do(Command::TogglePause), false);
+        let hour = Instant::now() + Duration::from_secs(3600);
+        assert_eq!(app.overlay(room, 0.0, hour).paused, paused);
+        assert!(saved(&mut app) == picture, "{paused}");
+    }
+    hold(&mut app, Action::Do(Command::TogglePause), false);
+    open_list(&mut app);
+    assert!(!app.overlay(room, 0.0, Instant::now()).paused, "the list of scenes covers what stands still");
+    app.close_browser();
+    app.options.quiet = true;
+    assert!(!app.overlay(room, 0.0, Instant::now()).paused);
+}
+
+#[test]
 fn walls_inside_of_the_picture_are_seen() {
     let mut app = app("gravity");
     let size = app.session.simulation().world().size();
