@@ -46,7 +46,7 @@ impl Session {
             Command::Step => self.step(STEP),
             Command::StepToImpact => self.step_to_impact(),
             Command::Back => {
-                if !self.begin_back() {
+                if !self.begin_back(0.0) {
                     return Err(self.nothing_before());
                 }
             }

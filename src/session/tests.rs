@@ -279,6 +279,22 @@ fn gravity_is_tilted_no_further_than_its_range() {
 }
 
 #[test]
+fn frames_in_which_time_stood_still_are_gone_back_at_once() {
+    let mut session = session("elastic");
+    (0..200).for_each(|_| session.advance(STEP).unwrap());
+    let stood = session.simulation().time();
+    (0..300).for_each(|_| session.advance(0.0).unwrap());
+    let mut looks = 0;
+    session.rewind_while(STEP, || {
+        looks += 1;
+        true
+    });
+    assert!((stood - session.simulation().time() - STEP).abs() < 1e-9, "{}", session.seconds_ago());
+    // From the key before, and not from one to another of the frames that stood.
+    assert!(looks < 70, "{looks} frames were played again");
+}
+
+#[test]
 fn time_runs_on_at_once_after_a_rewind_that_did_not_keep_up() {
     for scale in [1.0 / 64.0, 1.0, 16.0] {
         let mut session = session("elastic");

@@ -14,7 +14,7 @@ const LOOK_AHEAD: f64 = 10.0;
 /// What is being done.
 #[derive(Debug)]
 pub(super) enum Work {
-    /// Going back by a frame.
+    /// Going back, by a frame or by some.
     Back(Box<Way>),
     /// Finding out how long a step to the next impact is.
     Impact(Box<Search>),
@@ -88,7 +88,7 @@ impl Session {
                 break;
             }
             let back = self.back;
-            if !self.begin_back() {
+            if !self.begin_back(back) {
                 return false;
             }
             self.back = back;
@@ -97,10 +97,10 @@ impl Session {
         true
     }
 
-    /// Begins to go back by a frame, or to before the changes since; whether there is one.
-    pub(super) fn begin_back(&mut self) -> bool {
+    /// Begins to go back by a frame, or to before the changes since, or by so many simulated seconds; whether there are any.
+    pub(super) fn begin_back(&mut self, seconds: f64) -> bool {
         (self.due, self.back) = (0.0, 0.0);
-        let way = self.tape.back();
+        let way = self.tape.back(seconds);
         let found = way.is_some();
         self.work = way.map(|way| Work::Back(Box::new(way)));
         found
