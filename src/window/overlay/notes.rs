@@ -35,8 +35,9 @@ const ROOMY: DVec2 = DVec2::new(480.0, 360.0);
 const LEAST_TEXT: f64 = 2.0 / 3.0;
 const LEAST_MARGIN: f64 = 0.25;
 const LEAST_DIAL: f64 = 0.5;
-/// A message is tried in so many sizes before it is shortened.
+/// A message is tried in so many sizes, and then in this part of it with half the margin, before it is shortened.
 const SIZES: u32 = 4;
+const LAST_TEXT: f64 = 0.5;
 /// No line of it has fewer characters than this, and where it is shortened, it has no more lines than that.
 const FEWEST: usize = 8;
 const MOST_LINES: usize = 8;
@@ -48,6 +49,8 @@ pub(super) struct Measures {
     /// The size of text, and the least to which it shrinks where a message is long.
     text: f64,
     least: f64,
+    /// The size of a message that would be shortened otherwise.
+    last: f64,
     pub(super) margin: f64,
     /// The radius of gravity's dial.
     dial: f64,
@@ -61,6 +64,7 @@ impl Measures {
             picture,
             text: text * part.max(LEAST_TEXT),
             least: text * LEAST_TEXT,
+            last: text * LAST_TEXT,
             margin: MARGIN * scale * part.max(LEAST_MARGIN),
             dial: DIAL * scale * part.max(LEAST_DIAL),
         }
@@ -170,21 +174,18 @@ impl Note {
         taken: &[Area],
         corners: [Option<Area>; 2],
     ) -> Option<Self> {
-        let Measures { picture, text: most, least, margin, .. } = *measures;
+        let Measures { picture, text: most, least, last, margin, .. } = *measures;
         let paragraphs: Vec<&str> = message.text.lines().collect();
         let [left, right] = corners;
-        let top = corners
-            .iter()
-            .flatten()
-            .map(|area| area.corner.y - margin / 2.0)
-            .fold(picture.y - margin, f64::min);
         let start = left.map_or(0.0, |area| area.end().x);
         let end = right.map_or(picture.x, |area| area.corner.x);
-        // At the lower edge, above what is in its corners, and between that.
-        let places =
-            [(0.0, picture.x, picture.y - margin), (0.0, picture.x, top), (start, end, picture.y - margin)];
-        let place = |size: f64, lines: Option<usize>| {
-            places.iter().find_map(|&(start, end, bottom)| {
+        let place = |size: f64, margin: f64, lines: Option<usize>| {
+            let low = picture.y - margin;
+            let tops = corners.iter().flatten().map(|area| area.corner.y - margin / 2.0);
+            let top = tops.fold(low, f64::min);
+            // At the lower edge, above what is in its corners, and between that.
+            let places = [(0.0, picture.x, low), (0.0, picture.x, top), (start, end, low)];
+            places.into_iter().find_map(|(start, end, bottom)| {
                 let room = (end - start - 2.0 * margin) / size - 2.0 * PADDING.x;
                 let characters = ((room / width("m", 1.0)).max(0.0) as usize).min(LONGEST_LINE);
                 let wrapped = cut(wrap(&paragraphs, characters), lines, characters);
@@ -200,9 +201,10 @@ impl Note {
         let sizes = (0..SIZES).map(|step| most + (least - most) * f64::from(step) / f64::from(SIZES - 1));
         let lines = (1..=MOST_LINES).rev();
         sizes
-            .map(|size| (size, None))
-            .chain(lines.map(|lines| (least, Some(lines))))
-            .find_map(|(size, lines)| place(size, lines))
+            .map(|size| (size, margin, None))
+            .chain([(last, margin / 2.0, None)])
+            .chain(lines.map(|lines| (least, margin, Some(lines))))
+            .find_map(|(size, margin, lines)| place(size, margin, lines))
     }
 
     /// Paints it, with an edge of this colour and a dot before its text.
@@ -326,6 +328,21 @@ mod tests {
         assert_eq!(note.lines, ["a message of many words a …"]);
         let all = Area { corner: DVec2::ZERO, extent: DVec2::new(200.0, 150.0) };
         assert!(Note::message(&said, &measures, &[all], [None; 2]).is_none());
+    }
+
+    #[test]
+    fn a_message_below_a_sheet_takes_a_second_line_rather_than_be_shortened() {
+        let text =
+            "no recording saved: cannot create carom-gravity-1.gif: no space left on the device".to_owned();
+        let said = Message { text: text.clone(), tone: Tone::Wrong, opacity: 1.0 };
+        for (width, height) in [(300.0, 200.0), (320.0, 240.0), (400.0, 300.0)] {
+            let picture = DVec2::new(width, height);
+            let measures = Measures::new(picture, 1.0);
+            let above = Area { corner: DVec2::ZERO, extent: DVec2::new(width, measures.low()) };
+            let note = Note::message(&said, &measures, &[above], [None; 2]).unwrap();
+            assert_eq!(note.lines.join(" "), text, "{width}x{height}");
+            assert!(note.size >= 7.5 && note.area.is_inside(picture) && !note.area.meets(&above));
+        }
     }
 
     const PICTURE: DVec2 = DVec2::new(800.0, 600.0);
