@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::paint::text::LINE;
+use crate::paint::text::{LINE, width};
 
 use super::super::TEXT_SIZE;
 use super::super::notes::{self, Measures};
@@ -12,7 +12,7 @@ const WIDEST_CARD: f64 = 190.0;
 /// The width of a card's picture by its height.
 const ASPECT: f64 = 16.0 / 9.0;
 /// Pictures of cards are as low as this part of their height where another row has room then, ...
-const LOWER: f64 = 0.7;
+const LOWER: f64 = 0.55;
 /// ... and down to this height, px, where not even one has.
 const LEAST_PICTURE: f64 = 40.0;
 /// The margin around the cards, px.
@@ -24,7 +24,7 @@ pub(super) const PADDING: f64 = 8.0;
 /// The size of the text on a card, as a part of that on other sheets.
 pub(super) const SMALL: f64 = 0.8;
 /// Lines of text on a card on what it is about; one more is its name, and one how it is moved.
-pub(super) const ABOUT_LINES: usize = 2;
+pub(super) const ABOUT_LINES: usize = 3;
 
 /// Where the cards are, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -85,6 +85,11 @@ impl Layout {
             gap,
             size,
         }
+    }
+
+    /// The characters of a line on a card.
+    pub(super) fn characters(&self) -> usize {
+        ((self.card.x - 2.0 * PADDING * self.scale) / width("m", self.size)).floor() as usize
     }
 
     /// The corner of the card in this place of those that are seen.

@@ -231,6 +231,7 @@ impl Browser {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paint::text::wrap;
     use crate::session::Change;
 
     const SIZES: [(f64, f64, f64); 7] = [
@@ -278,6 +279,17 @@ mod tests {
                 }
             }
             assert!(reached.iter().all(|&reached| reached), "{size:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_built_in_scene_is_about_is_all_on_its_card() {
+        for (width, height) in [(1280.0, 720.0), (1920.0, 1080.0), (640.0, 480.0)] {
+            let browser = browser((width, height, 1.0));
+            for card in &browser.cards {
+                let lines = wrap(&[card.scene.about()], browser.layout.characters());
+                assert!(lines.len() <= layout::ABOUT_LINES, "{width}x{height}: {lines:?}");
+            }
         }
     }
 

@@ -104,7 +104,7 @@ impl Browser {
             let paint = PixmapPaint::default();
             target.draw_pixmap(x, y, painted.as_ref(), &paint, Transform::identity(), None);
         }
-        let characters = ((extent.x - 2.0 * PADDING * scale) / width("m", size)).floor() as usize;
+        let characters = self.layout.characters();
         let mut line = inside.y + picture.y + 0.2 * size;
         let mut write = |colour: Colour, words: &str| {
             text(target, DVec2::new(inside.x, line + BASELINE * size), size, colour, words);
