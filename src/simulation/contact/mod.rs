@@ -339,6 +339,9 @@ impl Contact {
         if searched && presses {
             self.find_parting();
         }
+        if presses {
+            self.sweep(&[Pass::LET_OFF_WALLS]);
+        }
     }
 
     /// Goes on to the end of the substep that this step is in, while nothing moves.

@@ -22,7 +22,7 @@ use super::prepare::on_fixed;
 use super::stripes::Stripe;
 use super::sweep::{Pass, Share};
 use super::unlike::Unlike;
-use super::wall_support::{hold_on_walls, lay_on_walls, relax_on_walls};
+use super::wall_support::{hold_on_walls, lay_on_walls, let_off_walls, relax_on_walls};
 use super::{Body, Contact, Setting};
 
 /// The part of slow sliding of balls that press on each other that is taken away in a substep.
@@ -275,6 +275,13 @@ impl Pass<'_> {
             stripe.prepare_all(setting, share);
             (stripe.unsettled, stripe.changed) = (true, f64::INFINITY);
         },
+    };
+
+    /// Takes back what walls gave those that leave them.
+    pub(super) const LET_OFF_WALLS: Self = Self {
+        layers: &[Layer::Own],
+        only_busy: true,
+        work: &|setting, stripe, share| let_off_walls(setting, share.bodies, &mut stripe.beside),
     };
 
     /// Holds balls apart once more where many were hit: what stopped some on what carries them has turned them against

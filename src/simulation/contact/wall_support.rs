@@ -35,6 +35,21 @@ pub(super) fn lay_on_walls(fates: &[Fate], beside: &mut [Beside]) {
     }
 }
 
+/// Takes back what walls gave in the last substep from balls that it would throw off them now: they do not press on these any more. An
+/// impact at such a speed would give a ball more than it has, and throw it against the wall anew, the harder each time.
+pub(super) fn let_off_walls(setting: &Setting, bodies: &mut [Body], beside: &mut [Beside]) {
+    for beside in beside.iter_mut().filter(|beside| beside.push != DVec2::ZERO) {
+        let body = &mut bodies[beside.body as usize];
+        let away = body.velocity * beside.push.signum();
+        let thrown = away.cmpgt(DVec2::splat(setting.firm)) & beside.push.cmpne(DVec2::ZERO);
+        if thrown.any() && body.inverse_mass > 0.0 {
+            let back = DVec2::select(thrown, beside.push.abs().min(away).copysign(beside.push), DVec2::ZERO);
+            beside.push -= back;
+            body.velocity -= back;
+        }
+    }
+}
+
 /// Stops the balls that walls hold at the walls. The largest change of a ball's speed, in times what is enough.
 #[inline]
 pub(super) fn hold_on_walls(

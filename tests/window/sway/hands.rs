@@ -59,7 +59,7 @@ fn on_wayland_left_runs_time_back_for_as_long_as_it_is_held() {
     };
     window.wait("the first second", &mut second);
     let mut left = sway.hold("Left");
-    window.wait_title("as far back as is remembered");
+    window.wait_title("this is the start");
     assert!(!second(&mut window));
     drop(left.stdin.take());
     left.wait().unwrap();

@@ -66,16 +66,16 @@ fn a_picture_saved_in_the_same_instant_as_another_key_shows_what_that_key_has_do
 fn it_is_said_that_time_runs_slower_where_frames_are_cut_short_and_not_where_they_are_only_long() {
     let room = Room { picture: DVec2::new(1280.0, 720.0), scale: 1.0 };
     for present in [Duration::ZERO, Duration::from_millis(70), Duration::from_millis(400)] {
-        let mut app = app("pile");
-        app.split = [Duration::from_millis(25), Duration::ZERO, present];
-        let sheet = |app: &mut App, cut: bool| {
+        let sheet = |cut: bool| {
+            let mut app = app("pile");
+            app.split = [Duration::from_millis(25), Duration::ZERO, present];
             for _ in 0..20 {
                 app.session.advance_while(present.as_secs_f64().max(STEP), || !cut).unwrap();
             }
             app.overlay(room, 0.0, Instant::now()).sheet
         };
-        assert_eq!(sheet(&mut app, false), None, "{present:?}");
-        assert_eq!(sheet(&mut app, true), Some(Sheet::Behind(Solver::Contact)), "{present:?}");
+        assert_eq!(sheet(false), None, "{present:?}");
+        assert_eq!(sheet(true), Some(Sheet::Behind(Solver::Contact)), "{present:?}");
     }
 }
 
