@@ -120,6 +120,9 @@ use wall_support::hold_jammed;
 
 /// A ball that an impact shifts by less than this part of its radius counts as not shifted.
 const SHIFT: f64 = 0.02;
+/// Balls that all give back more than this part of a speed go on to be thrown at walls by what held them there, the harder each time;
+/// others lose what they so get, and deep piles come to rest later without it.
+const LIVELY: f64 = 0.9;
 
 /// The solver.
 #[derive(Debug, Clone)]
@@ -332,6 +335,7 @@ impl Contact {
         let grounded = setting.has_fixed || near.beside().next().is_some();
         let landed = std::mem::replace(&mut setting.grounded, grounded) != grounded;
         let presses = setting.can_rest && setting.kick != DVec2::ZERO;
+        let lively = setting.amount == Amount::Few || setting.least_restitution > LIVELY;
         if (self.weigh_balls(searched, landed) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
             self.take_back_thrown();
@@ -339,7 +343,7 @@ impl Contact {
         if searched && presses {
             self.find_parting();
         }
-        if presses {
+        if lively && presses {
             self.sweep(&[Pass::LET_OFF_WALLS]);
         }
     }
