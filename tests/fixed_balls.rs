@@ -268,6 +268,48 @@ fn a_ball_without_room_across_keeps_its_speed_along_and_falls() {
     }
 }
 
+/// One that the pegs are beside at an angle, so that what is found is rounded.
+#[test]
+fn a_ball_without_room_between_pegs_at_any_angle_keeps_its_speed_along() {
+    for angle in 1..24 {
+        let across = DVec2::from_angle(0.26 * f64::from(angle));
+        for e in [1.0, 0.5] {
+            let peg = |side: f64| {
+                let place = DVec2::splat(200.0) + 20.0 * side * across;
+                soft(ball(place.x, place.y, 10.0).fixed(), e)
+            };
+            let squeezed = moving(soft(ball(200.0, 200.0, 10.0), e), 300.0 * across + 70.0 * across.perp());
+            let mut world = simulation(Solver::Exact, open(400.0, 400.0), &[squeezed, peg(1.0), peg(-1.0)]);
+            run(&mut world, 60);
+            let velocity = world.balls()[0].velocity();
+            let along = velocity.dot(across.perp());
+            assert!(along > 69.9, "at {across}, e {e}: {velocity}");
+        }
+    }
+}
+
+/// Pressed on one of them, it was hit by the million: time crept on.
+#[test]
+fn a_ball_without_room_that_gravity_presses_on_a_peg_takes_no_more_impacts_than_it_takes_to_stop_it() {
+    let alone = |velocity| {
+        vec![moving(ball(200.0, 200.0, 10.0), velocity), peg(200.0, 180.0, 10.0), peg(200.0, 220.0, 10.0)]
+    };
+    // Two in a row, of which one presses the other.
+    let light = ball(190.003_196_893_500_42, 199.747_160_841_876_85, 10.0).with_mass(0.0387).unwrap();
+    let row = vec![
+        moving(ball(209.996_803_106_499_58, 200.252_839_158_123_15, 10.0), DVec2::new(14.0, 23.4)),
+        moving(light, DVec2::new(144.8, -18.5)),
+        peg(229.990_409_319_498_72, 200.758_517_474_369_43, 10.0),
+        peg(170.009_590_680_501_28, 199.241_482_525_630_57, 10.0),
+    ];
+    for balls in [alone(DVec2::new(-26.4, 261.7)), alone(DVec2::ZERO), row] {
+        let oblique = boxed(400.0, 400.0, 1.0, DVec2::new(300.0, 800.0));
+        let mut held = simulation(Solver::Exact, oblique, &balls);
+        run(&mut held, 60);
+        assert!(held.tally().impacts < 200_000, "{} balls: {}", balls.len(), held.tally().impacts);
+    }
+}
+
 #[test]
 fn fixed_balls_do_not_notice_each_other() {
     let balls = [peg(50.0, 50.0, 20.0), peg(60.0, 50.0, 20.0), peg(60.0, 50.0, 20.0), ball(150.0, 50.0, 5.0)];

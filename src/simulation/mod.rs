@@ -132,6 +132,7 @@ impl Simulation {
     /// | under gravity, as a rule | 240 |
     /// | many like balls under gravity that are hardly hit, and of which none carries hundreds | 120 or 180 |
     /// | 500 and more that may lie in many layers: these times g·h² are more than 0.11 of a ball's size | 360 |
+    /// | the same, more than 0.2 of it, where they may [sleep](Self::with_sleep) | 480 |
     /// | under gravity that is strong beside the smallest radius r | a multiple of these, so that g·h² is under r/100 |
     /// | without gravity; up to 128 that can be moved, while none lies on others; all that do not notice each other | none |
     ///

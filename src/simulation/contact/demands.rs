@@ -20,8 +20,8 @@ const MOST_SHORTENED: f64 = 1024.0;
 /// are sixty layers.
 const DEEP_LOAD: f64 = 0.11;
 const DEEP_BALLS: usize = 500;
-/// From this on, 110 of these layers, six a beat leave what lies deepest squeezed by a tenth of a radius, and it trembles without end: of
-/// two hundred layers none came to rest within half a minute, and in eight a beat all did.
+/// From this on, 110 of these layers, six a beat leave what lies deepest squeezed by a tenth of a radius, and it trembles: of piles of
+/// nearly two hundred layers two of three did not come to rest within half a minute. In eight, most do.
 const DEEPER_LOAD: f64 = 0.2;
 /// The part of its room that a pile fills.
 const PACKED: f64 = 0.84;

@@ -1,4 +1,4 @@
-//! The `contact` solver: substeps in which all contacts are solved together, two to six in a 60th of a second
+//! The `contact` solver: substeps in which all contacts are solved together, two to eight in a 60th of a second
 //! (`substeps`, `demands`).
 //!
 //! A substep, in the order of its parts:
@@ -120,8 +120,8 @@ use wall_support::hold_jammed;
 
 /// A ball that an impact shifts by less than this part of its radius counts as not shifted.
 const SHIFT: f64 = 0.02;
-/// Balls that all give back more than this part of a speed go on to be thrown at walls by what held them there, the harder each time;
-/// others lose what they so get, and deep piles come to rest later without it.
+/// Balls that all give back more than this part of a speed are let off walls that would throw them, however many they are. Impacts of
+/// others take again what they get so; and where many are let off, deep piles come to rest later.
 const LIVELY: f64 = 0.9;
 
 /// The solver.
@@ -335,7 +335,8 @@ impl Contact {
         let grounded = setting.has_fixed || near.beside().next().is_some();
         let landed = std::mem::replace(&mut setting.grounded, grounded) != grounded;
         let presses = setting.can_rest && setting.kick != DVec2::ZERO;
-        let lively = setting.amount == Amount::Few || setting.least_restitution > LIVELY;
+        let lively = near.beside().next().is_some()
+            && (setting.amount == Amount::Few || setting.least_restitution > LIVELY);
         if (self.weigh_balls(searched, landed) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
             self.take_back_thrown();

@@ -5,8 +5,8 @@
 //! more balls carry, the farther they go for what is left to be found of that load. Few balls cost little, and so do
 //! those that are awake among many asleep: they always take four, as do those that nothing presses together, many of one
 //! size, and unlike balls, which may carry what is many times as heavy. What overlaps under a load does so by as much as that load
-//! times the square of a substep: deep piles take six, or, where they are to sleep, six or eight, always. Where gravity is strong, beats are
-//! shorter. They follow each other whatever the frames, so that what comes of them does not depend on these.
+//! times the square of a substep: deep piles take six, or, where they are to sleep, six or eight, always. Where gravity is strong,
+//! beats are shorter. They follow each other whatever the frames, so that what comes of them does not depend on these.
 
 use glam::DVec2;
 

@@ -9,7 +9,7 @@ use super::support::Tolerance;
 use super::{Ball, Body, Setting, World, within};
 
 /// A wall's push that is less than this part of a velocity is rounding.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Along which axes any ball that can be moved, and may be pressed on walls, has no room between them.
 pub(super) fn any_jams(world: &World, balls: &[Ball]) -> BVec2 {

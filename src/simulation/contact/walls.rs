@@ -6,6 +6,7 @@ use super::constraints::Beside;
 use super::meeting::strike;
 use super::sleep::Rest;
 use super::unlike::Unlike;
+use super::wall_support::ROUNDING;
 use super::{Body, SHIFT, Setting, Tally};
 
 /// Bounces of a ball on a wall in one substep.
@@ -15,8 +16,6 @@ const SHORTEST_HOP: f64 = 1.0 / 64.0;
 /// The same of one that others press on it, or hold up in part: what presses is known for whole substeps. With a quarter, piles
 /// tremble twice as much. Not on elastic walls, which take no energy.
 const SHORTEST_PRESSED_HOP: f64 = 1.0;
-/// What a wall seems to give a ball away from it is rounding, where it is less than this part of what changes the ball's velocity.
-const ROUNDING: f64 = 1e-9;
 
 /// When a ball comes to a wall, if it does in this substep, s after its beginning; by its mean velocity.
 #[inline]

@@ -1,1 +1,0 @@
-/dev/fd/3: line 39: run: command not found
