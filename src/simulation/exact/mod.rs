@@ -10,6 +10,7 @@
 //! - `events`: how they are taken in their order in time, year by year;
 //! - `foresee`, `meetings`: which event comes next for a ball, on its own way or with others;
 //! - `impacts`: what happens at an impact, and how balls come to rest on walls;
+//! - `crush`: what becomes of a ball that is hit without end between others;
 //! - `together`: what happens where several balls meet at one time;
 //! - `settle`, `gather`, `group`, `contacts`, `sweeps`, `interior`: how they come to rest on each other;
 //! - `carry`, `means`, `onward`, `blows`, `flurry`, `headway`: how many go on that press on each other until then, and with which
@@ -25,6 +26,7 @@ mod calendar;
 mod carry;
 mod cells;
 mod contacts;
+mod crush;
 mod events;
 mod flights;
 mod flurry;
