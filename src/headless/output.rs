@@ -29,31 +29,23 @@ impl OutputError {
     }
 }
 
-/// What to do about an output that failed; nothing where it was standard output.
-fn remedy(path: &Path, source: &io::Error) -> &'static str {
-    if is_stdout(path) {
-        return "";
-    }
+/// What became of an output that failed, and what to do about it; nothing where it was standard output.
+fn remedy(path: &Path, source: &io::Error) -> String {
+    if is_stdout(path) { String::new() } else { format!("; this file was not written; {}", advice(source)) }
+}
+
+/// What to do about a file that failed.
+fn advice(source: &io::Error) -> &'static str {
     match source.kind() {
-        io::ErrorKind::NotFound => "; this file was not written; make the folder first, or give another",
-        io::ErrorKind::NotADirectory => {
-            "; this file was not written; what should be its folder is a file: give another folder"
-        }
-        io::ErrorKind::IsADirectory => {
-            "; this file was not written; name a file in it, or move it out of the way"
-        }
+        io::ErrorKind::NotFound => "make the folder first, or give another",
+        io::ErrorKind::NotADirectory => "what should be its folder is a file: give another folder",
+        io::ErrorKind::IsADirectory => "name a file in it, or move it out of the way",
         // Our own word, not the system's.
-        io::ErrorKind::InvalidFilename if source.raw_os_error().is_none() => {
-            "; this file was not written; end it with the name of a file"
-        }
-        io::ErrorKind::InvalidFilename => "; this file was not written; give it a shorter name",
-        io::ErrorKind::FileTooLarge => {
-            "; this file was not written; allow larger files (ulimit -f), or ask for less"
-        }
-        io::ErrorKind::PermissionDenied => {
-            "; this file was not written; allow writing there (chmod), or give another path"
-        }
-        _ => "; this file was not written; check that the folder may be written to and has room",
+        io::ErrorKind::InvalidFilename if source.raw_os_error().is_none() => "end it with the name of a file",
+        io::ErrorKind::InvalidFilename => "give it a shorter name",
+        io::ErrorKind::FileTooLarge => "allow larger files (ulimit -f), or ask for less",
+        io::ErrorKind::PermissionDenied => "allow writing there (chmod), or give another path",
+        _ => "check that the folder may be written to and has room",
     }
 }
 

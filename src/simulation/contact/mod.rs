@@ -332,11 +332,11 @@ impl Contact {
         if searched {
             near.search(Cargo { bodies, restitutions, ids, hit, rests, before }, setting, team);
         }
-        let grounded = setting.has_fixed || near.beside().next().is_some();
+        let on_walls = near.beside().next().is_some();
+        let grounded = setting.has_fixed || on_walls;
         let landed = std::mem::replace(&mut setting.grounded, grounded) != grounded;
         let presses = setting.can_rest && setting.kick != DVec2::ZERO;
-        let lively = near.beside().next().is_some()
-            && (setting.amount == Amount::Few || setting.least_restitution > LIVELY);
+        let lets_off = on_walls && (setting.amount == Amount::Few || setting.least_restitution > LIVELY);
         if (self.weigh_balls(searched, landed) || searched) && presses {
             self.sweep(&[Pass::LET_GO, Pass::PUSH_AGAIN]);
             self.take_back_thrown();
@@ -344,7 +344,7 @@ impl Contact {
         if searched && presses {
             self.find_parting();
         }
-        if lively && presses {
+        if lets_off && presses {
             self.sweep(&[Pass::LET_OFF_WALLS]);
         }
     }

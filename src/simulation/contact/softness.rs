@@ -17,7 +17,8 @@ const MENDED_OF_SOME: f64 = 0.6;
 /// How contacts give way in a substep.
 ///
 /// They are springs that are damped more than enough: a pair that carries the weight of N balls of its own mass overlaps by
-/// about N·g·h²·(1/yielding − 1)/mended in substeps of h seconds. That is much the same for two to four a beat, and less for six and eight.
+/// about N·g·h²·(1/yielding − 1)/mended in substeps of h seconds. That is much the same for two to four a beat, and less for six
+/// and eight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Softness {
     /// The part of an overlap that is taken away, by how unlike its balls are.
