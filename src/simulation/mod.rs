@@ -23,6 +23,7 @@ pub mod limits;
 mod separate;
 mod simultaneous;
 mod solver;
+mod squeeze;
 mod tally;
 mod world;
 

@@ -3,12 +3,16 @@
 //! A wall that comes nearer moves what it meets, and that what is behind it: places change, velocities do not. Left in each
 //! other, balls would have to part by themselves, and the energy for that would come from nowhere.
 
+use std::ops::Range;
+
 use glam::{BVec2, DVec2};
 
 use super::ball::Ball;
 use super::grid::Grid;
 use super::impulse::any_offset;
+use super::invariants::max_overlap;
 use super::solver::Solver;
+use super::squeeze::squeeze;
 use super::within;
 use super::world::{Pairs, World};
 
@@ -39,19 +43,58 @@ const FARTHER: f64 = 1e-2;
 const FARTHER_AT_MOST: f64 = 4.0;
 /// More than this part of the world is not filled without overlaps: balls of one size fill 0.84 of it at random.
 const FULLEST: f64 = 0.84;
+/// What walls push is crushed where balls come to overlap by more than this part of the smaller radius in the end ...
+const CRUSHED: f64 = 0.3;
+/// ... or by more than this on the way.
+const CRUSHED_ON_THE_WAY: f64 = 1.0;
 /// Up to this part of the world filled, balls that are brought in part from the others, wherever they come to.
 const ROOMY: f64 = 0.5;
 /// Where there are more pairs than so many a ball, they lie in one heap, which takes too long.
 const PAIRS: usize = 32;
 
 /// Brings balls into a world whose walls were those of a world of another size, and, where that `gives_way`, what they are
-/// pushed into out of their way, as far as there is room; whether any was moved.
+/// pushed into out of their way, as far as there is room; whether any was moved. Where that crushes them, all are squeezed together
+/// instead, unless any are fixed: what these fence in stays there.
 pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool) -> bool {
+    let inside =
+        |ball: &Ball| ball.is_fixed() || within(ball.position, ball.radius, world.size) == ball.position;
+    if balls.iter().all(inside) {
+        return false;
+    }
+    let gives_way = gives_way && world.pairs == Some(Pairs::Impulse);
+    let fits = has_room(world, balls);
+    let come_nearer = world.size.cmplt(from).any();
+    if !(gives_way && come_nearer) || balls.iter().any(Ball::is_fixed) {
+        push_in(world, from, balls, gives_way && fits, f64::INFINITY);
+        return true;
+    }
+    let before = overlap(world, balls);
+    let begun = balls.to_vec();
+    if !fits || push_in(world, from, balls, true, before) == Push::Crushes {
+        balls.copy_from_slice(&begun);
+        squeeze(world, from.max(world.size), balls);
+        if fits {
+            // None of them is in front of another any more.
+            take_apart_in(world, balls, BVec2::FALSE, DIRECTED..DIRECTED + most_sweeps(balls));
+        }
+    }
+    true
+}
+
+/// What walls that push balls do to these.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Push {
+    Moves,
+    /// They come to lie in each other too deeply, and are left on their way.
+    Crushes,
+}
+
+/// Has walls that move from where they are in a world of one size push balls, and these others, where that `gives_way`. Balls lay so
+/// deep in each other before.
+fn push_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool, before: f64) -> Push {
     let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
-    let gives_way = gives_way && world.pairs == Some(Pairs::Impulse) && has_room(world, balls);
     let far = if gives_way { (from - world.size).max_element() / smallest } else { 0.0 };
     let steps = far.ceil().clamp(1.0, STEPS) as u32;
-    let mut moved = false;
     for step in 1..=steps {
         let size = from.lerp(world.size, f64::from(step) / f64::from(steps)).max(world.size);
         let world = World { size, ..*world };
@@ -61,13 +104,19 @@ pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way
             pushed |= inside != ball.position;
             ball.position = inside;
         }
-        moved |= pushed;
         if pushed && gives_way {
-            let sweeps = if step == steps { most_sweeps(balls) } else { SWEEPS_OF_STEP };
-            take_apart_in(&world, balls, from.cmpgt(world.size), sweeps);
+            let (sweeps, most) = if step == steps {
+                (most_sweeps(balls), CRUSHED)
+            } else {
+                (SWEEPS_OF_STEP, CRUSHED_ON_THE_WAY)
+            };
+            take_apart_in(&world, balls, from.cmpgt(world.size), 0..sweeps);
+            if overlap(&world, balls) > before.max(most) {
+                return Push::Crushes;
+            }
         }
     }
-    moved
+    Push::Moves
 }
 
 /// Brings balls that stand outside of the walls in, as if these had come from beyond them, and returns whether there are any.
@@ -85,15 +134,20 @@ pub(super) fn bring_strays_in(world: &World, balls: &mut [Ball], solver: Solver)
     if found {
         let free = balls.iter().filter(|ball| !ball.is_fixed());
         let from = free.fold(world.size, |size, ball| size.max(ball.position + ball.radius));
-        bring_in(world, from, balls, true);
+        push_in(world, from, balls, true, f64::INFINITY);
     }
     found
+}
+
+/// The deepest overlap, as a part of the smaller radius.
+fn overlap(world: &World, balls: &[Ball]) -> f64 {
+    max_overlap(&mut Grid::new(balls, world.size), balls)
 }
 
 /// Moves balls that overlap apart, none of them through a wall, as far as there is room; fixed ones stay.
 pub(super) fn take_apart(world: &World, balls: &mut [Ball]) {
     if has_room(world, balls) {
-        take_apart_in(world, balls, BVec2::FALSE, most_sweeps(balls));
+        take_apart_in(world, balls, BVec2::FALSE, 0..most_sweeps(balls));
     }
 }
 
@@ -113,14 +167,14 @@ fn filled(world: &World, balls: &[Ball]) -> f64 {
     area / (world.size.x * world.size.y)
 }
 
-/// The same in so many sweeps at most: away from the walls that have moved along these axes, as long as that helps; or from all.
-fn take_apart_in(world: &World, balls: &mut [Ball], moved: BVec2, sweeps: u32) {
+/// The same in these sweeps at most: away from the walls that have moved along these axes, as long as that helps; or from all.
+fn take_apart_in(world: &World, balls: &mut [Ball], moved: BVec2, sweeps: Range<u32>) {
     // Walls move at the right and below.
     let counts = if moved.any() { moved } else { BVec2::TRUE };
     let far = |ball: &Ball| DVec2::select(counts, world.size - ball.position, DVec2::INFINITY).min_element();
     let mut grid = Grid::new(balls, world.size);
     let mut pairs = Vec::new();
-    for sweep in 0..sweeps {
+    for sweep in sweeps {
         if !grid.find_up_to(PAIRS * balls.len(), balls) {
             return;
         }
@@ -176,7 +230,6 @@ fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share
 
 #[cfg(test)]
 mod tests {
-    use super::super::invariants::max_overlap;
     use super::*;
 
     fn world(width: f64, height: f64) -> World {
@@ -185,10 +238,6 @@ mod tests {
 
     fn ball(x: f64, y: f64, radius: f64) -> Ball {
         Ball::new(DVec2::new(x, y), radius).unwrap()
-    }
-
-    fn overlap(world: &World, balls: &[Ball]) -> f64 {
-        max_overlap(&mut Grid::new(balls, world.size), balls)
     }
 
     #[test]

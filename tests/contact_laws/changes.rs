@@ -144,6 +144,37 @@ fn a_level_pile_stays_level_when_the_floor_rises_under_it() {
 }
 
 #[test]
+fn a_pile_in_a_window_drawn_narrow_rises_and_has_parted_within_two_seconds() {
+    let text = "solver = \"contact\"\nsize = [600, 400]\ngravity = [0, 980]\n[walls]\nrestitution = 0.5\n[pairs]\n\
+                [[fill]]\ncount = 600\nradius = [5, 9]\nrestitution = 0.5\n";
+    let mut begun = Scene::parse("pile", text).unwrap().build().unwrap();
+    begun.advance(4.0).unwrap();
+    for steps in [1, 20] {
+        let mut simulation = begun.clone();
+        let deepest = |simulation: &Simulation| {
+            max_overlap(&mut Grid::new(simulation.balls(), simulation.world().size()), simulation.balls())
+        };
+        for step in 1..=steps {
+            let narrower = 270.0 * f64::from(step) / f64::from(steps);
+            simulation.resize(DVec2::new(600.0 - narrower, 400.0)).unwrap();
+            simulation.advance(FRAME).unwrap();
+        }
+        let (mut energies, mut overlaps) = (vec![energy(&simulation)], vec![deepest(&simulation)]);
+        for frame in 0..120 {
+            simulation.advance(FRAME).unwrap();
+            energies.push(energy(&simulation));
+            overlaps.push(deepest(&simulation));
+            // From the height by which the uppermost rises, a ball falls at 600 px/s.
+            assert!(fastest(&simulation) < 300.0, "frame {frame}: {} px/s", fastest(&simulation));
+        }
+        let gained = energies.iter().fold(0.0, |most: f64, &now| most.max(now / energies[0] - 1.0));
+        assert!(gained < 0.005, "in {steps} steps: {gained}");
+        assert!(overlaps[60] < 0.1 && overlaps[120] < 0.05, "in {steps} steps: {overlaps:.2?}");
+        assert!(max_wall_overlap(simulation.world(), simulation.balls()) < 1e-9);
+    }
+}
+
+#[test]
 fn what_sleeps_falls_when_what_carries_it_is_taken_away() {
     type Edit<'a> = &'a dyn Fn(&mut Simulation);
 
