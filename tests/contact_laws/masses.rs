@@ -308,3 +308,30 @@ fn lively_balls_whose_masses_span_six_powers_of_ten_get_little_energy_from_where
         assert!(back < 0.03, "seed {seed}: {back:e} of it came back");
     }
 }
+
+/// What four balls in a row on an elastic floor, between walls that just leave room for them, gave each other across the row was next to
+/// nothing; but each hop began with the speed in the middle of a substep: up to 9 px/s, where none had begun with 1.
+#[test]
+fn unlike_balls_in_a_row_that_fits_hop_no_higher_on_an_elastic_floor_than_they_began() {
+    let (radius, floor) = (8.479_868_984_424_785, 50.879_213_906_548_71);
+    let places = [8.479_868_984_424_785, 25.439_606_953_274_357, 42.399_344_922_123_92, 59.359_082_890_973_5];
+    let velocities = [(0.497, 0.553), (-0.524, -0.28), (-0.691, -0.901), (-0.081, 0.271)];
+    let balls: Vec<Ball> = (0..4)
+        .map(|k| {
+            let (ball, (x, y)) = (ball(places[k], floor, radius), velocities[k]);
+            let mass = [19.0, 0.342, 0.07, 32.1][k];
+            moving(ball, x, y).with_restitution(0.2).unwrap().with_mass(mass).unwrap()
+        })
+        .collect();
+    let mass: f64 = balls.iter().map(Ball::mass).sum();
+    let world = world(67.838_951_875_398_28, 59.359_082_890_973_5, 1.0).with_gravity(EARTH).unwrap();
+    let mut row = simulation(world, balls);
+    let mut most = 0.0_f64;
+    for _ in 0..600 {
+        row.advance(FRAME).unwrap();
+        most = most.max(energy(&row));
+    }
+    // One that touches others is shown with its speed in the middle of a substep: up to half a kick of gravity, 2 px/s, more than it has.
+    let speed = (2.0 * most / mass).sqrt();
+    assert!(speed < 3.0, "{speed} px/s");
+}
