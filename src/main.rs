@@ -259,7 +259,9 @@ fn table(list: &[carom::scene::Listing]) -> String {
 }
 
 fn print_scene(name: &OsStr) -> Result<(), Failure> {
-    Ok(write_stdout(Scene::load_os(name)?.source())?)
+    let scene = Scene::load_os(name)?;
+    scene.file().map_or(Ok(()), headless::check_stdout)?;
+    Ok(write_stdout(scene.source())?)
 }
 
 /// Prints help or the version, in the colours of a terminal where there is one.

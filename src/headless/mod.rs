@@ -145,6 +145,18 @@ fn over_input(path: &Path) -> String {
     }
 }
 
+/// Refuses to print what was read from this file into the same file, which standard output may have been sent to.
+///
+/// # Errors
+/// [`RunError::OverInput`] where it was.
+pub fn check_stdout(input: &Path) -> Result<(), RunError> {
+    let stdout = Path::new("-");
+    if input.is_file() && output::canonical(input) == stdout {
+        return Err(RunError::OverInput { path: stdout.to_owned() });
+    }
+    Ok(())
+}
+
 /// A path as a message says it.
 fn in_words(path: &Path) -> String {
     if output::is_stdout(path) { "standard output".to_owned() } else { path.display().to_string() }

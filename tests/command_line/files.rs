@@ -66,6 +66,15 @@ fn nothing_that_goes_to_standard_output_is_appended_to_an_input() {
         assert!(output.status.success(), "{}", stderr(&output));
     }
     assert_eq!(names(here.path()), ["deltas.txt", "mine.toml", "s.json"]);
+    // Nor is a scene printed into its own file, by whatever name.
+    for name in ["mine.toml", "./mine.toml"] {
+        let refused = appending("mine.toml", &["scene", name]);
+        assert_eq!(refused.status.code(), Some(2), "{name}");
+        let says = "standard output goes to a file that is read";
+        assert!(stderr(&refused).contains(says), "{}", stderr(&refused));
+        assert_eq!(fs::read_to_string(here.path().join("mine.toml")).unwrap(), scene);
+    }
+    assert!(appending("deltas.txt", &["scene", "mine.toml"]).status.success());
 }
 
 #[test]
