@@ -121,7 +121,7 @@ impl Failure {
                 RunError::Picture(_) | RunError::Animation { source: AnimationError::TooLarge { .. }, .. },
             ) => " (--size)",
             Self::Run(RunError::Animation { source: AnimationError::TooLong(_), .. }) => {
-                " (--seconds or --deltas, --gif)"
+                " (--seconds, --deltas or --commands, --gif)"
             }
             Self::Run(RunError::Frames(FramesError::Seconds(_))) => " (--seconds)",
             Self::Run(RunError::Frames(FramesError::Rate(_))) => " (--fps)",

@@ -15,11 +15,11 @@ pub enum Course {
 }
 
 impl Course {
-    /// How long it takes, s, where that is known before it is played: of a replay, only its frames tell.
-    pub(super) fn seconds(&self) -> Option<f64> {
+    /// How long it takes at least, s, as far as that is known before it is played.
+    pub(super) fn least_seconds(&self) -> f64 {
         match self {
-            Self::Frames(_, frames) => Some(frames.seconds()),
-            Self::Replay(_) => None,
+            Self::Frames(_, frames) => frames.seconds(),
+            Self::Replay(replay) => replay.least_seconds(),
         }
     }
 

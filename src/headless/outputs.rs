@@ -45,9 +45,8 @@ impl Outputs {
         if run.summary.is_none() && !stdout_taken && inputs.iter().any(|input| input == stdout) {
             return Err(RunError::OverInput { path: stdout.to_owned() });
         }
-        if let (Some(path), Some(seconds)) = (&run.gif, run.course.seconds())
-            && paint::animation::is_too_long(seconds)
-        {
+        let seconds = run.course.least_seconds();
+        if let Some(path) = run.gif.as_ref().filter(|_| paint::animation::is_too_long(seconds)) {
             return Err(RunError::of_animation(path, AnimationError::TooLong(seconds)));
         }
         let create = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
@@ -89,7 +88,12 @@ impl Outputs {
         }
         if let (Some((animation, path)), Some(canvas)) = (&mut self.gif, &mut self.canvas) {
             self.painter.repaint(simulation, 1.0, &mut canvas.as_mut());
-            let added = animation.add(time, canvas);
+            // Known before the run but where frames of a replay were cut short.
+            let added = if paint::animation::is_too_long(time) {
+                Err(AnimationError::TooLong(time))
+            } else {
+                animation.add(time, canvas)
+            };
             added.map_err(|source| RunError::of_animation(path, source))?;
         }
         Ok(())

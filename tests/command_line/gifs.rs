@@ -47,7 +47,7 @@ fn a_run_longer_than_a_gif_may_last_is_refused_before_it_begins() {
     let outputs = ["--gif", "it.gif", "--trace", "t.csv"];
     let days = [&["run", "draw", "--deltas", "days.txt"][..], &outputs].concat();
     let says = "it.gif: an animation may last 1000000 s, and this would last 1200000; ask for less time, or for no \
-                animation (--seconds or --deltas, --gif)";
+                animation (--seconds, --deltas or --commands, --gif)";
     fail(&here, &days, 2, says);
     let begun = Instant::now();
     let years = [&["run", "draw", "--seconds", "1e8", "--fps", "1000"][..], &outputs].concat();
@@ -59,6 +59,15 @@ fn a_run_longer_than_a_gif_may_last_is_refused_before_it_begins() {
     );
     assert!(begun.elapsed() < Duration::from_secs(20), "known before what takes long");
     assert_eq!(names(here.path()), ["days.txt"]);
+    // As is a replay's time, whatever it resets: nothing of its first frame is printed.
+    let replay = "carom replay 1\nframe 600000\nreset\nframe 600000\n";
+    fs::write(here.path().join("days.replay"), replay).unwrap();
+    fail(&here, &["run", "draw", "--commands", "days.replay", "--gif", "it.gif", "--trace", "-"], 2, says);
+    // How much of a frame that was cut short took place, only the run tells: of this one, all.
+    let replay = "carom replay 1\nframe 600000\nframe 600000 1000000\n";
+    fs::write(here.path().join("days.replay"), replay).unwrap();
+    fail(&here, &[&["run", "draw", "--commands", "days.replay"][..], &outputs].concat(), 2, says);
+    assert_eq!(names(here.path()), ["days.replay", "days.txt"]);
     // As long as one may last, it is written, also where the sum of its frames is rounded up.
     let longest = ["run", "draw", "--size", "50x50", "--seconds", "1e6", "--fps", "0.011", "--gif", "it.gif"];
     succeed(&here, &longest);

@@ -17,7 +17,7 @@ pub(super) use write::write;
 
 use super::command::CommandError;
 use super::state::{Played, Start, State};
-use super::tape::Entry;
+use super::tape::{Entry, Frame};
 use crate::scene::{self, Rain, Scene, SceneError};
 use crate::simulation::Simulation;
 
@@ -193,6 +193,15 @@ impl Replay {
     #[must_use]
     pub fn frames(&self) -> u64 {
         frames(&self.entries)
+    }
+
+    /// The seconds that all of its frames take but those that were cut short, of which only playing tells how far they came.
+    pub(crate) fn least_seconds(&self) -> f64 {
+        let whole = self.entries.iter().filter_map(|entry| match entry {
+            Entry::Frame(Frame { seconds, cut: None }) => Some(seconds),
+            _ => None,
+        });
+        whole.sum()
     }
 
     /// What was refused so far, if anything was: as it was when it was recorded, unless the file has been changed since.
