@@ -197,6 +197,14 @@ fn run(args: RunArgs) -> Result<(), Failure> {
              have their seed in the scene file"
         );
     }
+    if args.commands.is_none() && !scene.has_balls() {
+        let _ = writeln!(
+            io::stderr(),
+            "carom: {} has no balls, and nothing will happen; write a [[ball]] or a [[fill]] into it, or add some with \
+             --balls",
+            scene.argument()
+        );
+    }
     let file = scene.file().map(Path::to_owned);
     let course = match (&args.commands, &args.deltas) {
         (Some(path), _) => Course::Replay(Replay::read(path, &scene).map_err(RunError::from)?.into()),

@@ -223,6 +223,13 @@ impl Scene {
         self.rain.is_some() || drawn.any(|count| count > 0)
     }
 
+    /// Whether it has a ball, or gets one: of a fill, [added](Self::with_added), or of its rain.
+    #[must_use]
+    pub fn has_balls(&self) -> bool {
+        let placed = self.balls.len() + self.fills.iter().map(|fill| fill.count).sum::<usize>();
+        placed > 0 || self.added.is_some_and(|(count, _)| count > 0) || self.rain.is_some()
+    }
+
     /// The name to show: a built-in scene's own, or the file's without folder and ending.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -113,6 +113,28 @@ fn energy_that_fell_in_is_no_error_of_the_solver() {
 }
 
 #[test]
+fn a_run_without_balls_says_so_and_a_run_with_any_does_not() {
+    let here = folder();
+    fs::write(here.path().join("empty.toml"), "").unwrap();
+    fs::write(here.path().join("drop.replay"), "carom replay 1\nadd-random 1\nframe 0.1\n").unwrap();
+    let says = "carom: empty.toml has no balls, and nothing will happen; write a [[ball]] or a [[fill]] into it, or add \
+                some with --balls\n";
+    let told = |args: &[&str]| {
+        let output = carom(&here, &[&["run"][..], args].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert!(stdout(&output).starts_with("scene "), "{}", stdout(&output));
+        stderr(&output)
+    };
+    assert_eq!(told(&["empty.toml", "--seconds", "0"]), says);
+    assert_eq!(told(&["empty.toml", "--seconds", "0", "--check"]), says);
+    assert_eq!(told(&["empty.toml", "--seconds", "0", "--balls", "1"]), "");
+    assert_eq!(told(&["empty.toml", "--commands", "drop.replay"]), "");
+    for scene in ["rain", "gas", "draw"] {
+        assert_eq!(told(&[scene, "--seconds", "0"]), "");
+    }
+}
+
+#[test]
 fn a_run_that_is_checked_keeps_the_laws_and_says_no_more() {
     let here = folder();
     for (scene, solver) in
