@@ -20,6 +20,8 @@ const MOST_BYTES: usize = 256 << 20;
 const FINE_PART: usize = 4;
 /// How far back one can go at least, in seconds as they were watched: where memory is short, older keys are forgotten.
 const KEPT: f64 = 40.0;
+/// The part of a frame that must be gone back for it to show.
+const SEEN: f64 = 0.1;
 /// The most entries that are kept: more than four hours at 60 frames per second, 34 MB.
 const MOST_ENTRIES: usize = 1 << 20;
 
@@ -222,15 +224,21 @@ impl Tape {
     /// The way to the end of the frame before the present, or to before the changes since; or further, until that is so many
     /// simulated seconds ago. `None` where that is not remembered, or there is none.
     ///
-    /// At once, since frames that hardly moved on took as long as others, and each that is gone back takes some of them again.
+    /// At once, since frames that hardly moved on took as long as others, and each that is gone back takes some of them again. Of
+    /// those that were cut short, it goes back by so many that it shows.
     pub(super) fn back(&mut self, seconds: f64) -> Option<Way> {
         let oldest = self.keys.front()?.at;
-        let (mut passed, mut to) = (0.0, None);
+        let (mut passed, mut shows, mut to) = (0.0, false, None);
         for at in (oldest..self.at).rev().filter(|&at| at > self.first) {
-            passed += self.entries[at - self.first].done;
+            let Taken { entry, done } = &self.entries[at - self.first];
+            passed += done;
+            shows |= match entry {
+                Entry::Frame(Frame { seconds, cut: Some(_) }) => passed >= SEEN * seconds,
+                Entry::Frame(_) | Entry::Change(_) => true,
+            };
             if self.entries[at - 1 - self.first].entry.is_frame() {
                 to = Some(at);
-                if passed >= seconds - ROUNDING {
+                if shows && passed >= seconds - ROUNDING {
                     break;
                 }
             }
@@ -391,6 +399,33 @@ mod tests {
         let reach = tape.watched - tape.keys[0].watched;
         assert!(reach >= KEPT, "{reach}");
         assert!(tape.keys.iter().zip(tape.keys.iter().skip(1)).all(|(one, next)| one.at < next.at));
+    }
+
+    #[test]
+    fn a_step_back_from_where_time_stood_still_goes_on_to_where_it_moved() {
+        let (mut tape, state, shown) = recorded(100);
+        let stall = |tape: &mut Tape, done: f64| {
+            let entry = Entry::Frame(Frame { seconds: 1.0 / 60.0, cut: NonZeroU32::new(1) });
+            tape.add(Taken { entry, done }, 1.0 / 60.0, &state);
+        };
+        for _ in 0..10 {
+            stall(&mut tape, 0.0);
+        }
+        assert_eq!(back(&mut tape).unwrap().simulation.balls(), shown[98]);
+        assert_eq!(tape.at, 99);
+        // What moved at all is gone back once it amounts to something: here, a tenth of a frame in five.
+        let mut state = going(&mut tape, 99);
+        tape.play(&mut state);
+        for _ in 0..10 {
+            stall(&mut tape, 0.021 / 60.0);
+        }
+        back(&mut tape);
+        assert_eq!(tape.at, 105);
+        // A change is taken back, however little time went by since.
+        tape.add(Taken { entry: Entry::Change(Box::new(Change::RemoveLast)), done: 0.0 }, 0.0, &state);
+        stall(&mut tape, 0.0);
+        back(&mut tape);
+        assert_eq!(tape.at, 105);
     }
 
     #[test]
