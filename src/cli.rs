@@ -174,7 +174,7 @@ pub struct WindowArgs {
     /// Present frames at once instead of with the screen's refresh
     #[arg(long)]
     pub no_vsync: bool,
-    /// Print, when the window closes, where the frames' time went
+    /// Print, when the window closes, where the frames' time went; docs/command-line.md says what each word means
     #[arg(long)]
     pub timings: bool,
 }

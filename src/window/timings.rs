@@ -308,6 +308,30 @@ mod tests {
         assert_eq!(spending.to_string(), "events 5.0, advance 25.0, paint 60.0");
     }
 
+    // Elsewhere no processor time can be had.
+    #[cfg(unix)]
+    #[test]
+    fn every_word_that_is_printed_is_explained() {
+        let explained = include_str!("../../docs/command-line.md");
+        let mut taken = Taken::default();
+        taken.add([Duration::from_millis(1); 4]);
+        taken.begin_turn();
+        for on in ["events", "advance", "overlay", "paint", "present", "what waited"] {
+            taken.spent(on);
+        }
+        taken.add_turn(Duration::from_millis(1), || "elastic".to_owned());
+        let text = taken.to_string();
+        let names =
+            text.lines().filter(|line| line.contains("median")).filter_map(|line| line.split(' ').next());
+        let (_, spending) = text.rsplit_once("): ").unwrap();
+        let spent = spending.split(", ").filter_map(|part| part.rsplit_once(' ')).map(|(on, _)| on);
+        let words: Vec<&str> = names.chain(spent).chain(["stolen"]).collect();
+        assert_eq!(words.len(), 15, "{text}");
+        for word in words {
+            assert!(text.contains(word) && explained.contains(&format!("`{word}`")), "{word}");
+        }
+    }
+
     #[test]
     fn a_turn_is_the_time_since_it_began_without_what_others_took() {
         let start = Instant::now();
