@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::chart::{Dot, Figure, Panel};
+use super::chart::{Dot, Figure, Guide, Panel};
 use super::document::{Csv, Section, Table, duration, rounded};
 use super::problems::Unposed;
 use super::setting::{GivenUp, Setting};
@@ -188,9 +188,9 @@ pub(super) fn section(context: &mut Context) -> Result<Section, ReportError> {
             rounded(100.0 * chance)
         )
     }));
-    let figure = figure(&found);
+    let figure = figure(&found, chance);
     let about = format!(
-        "A gas: error of its pressure against run time. What is below {} is chance.",
+        "A gas: error of its pressure against run time. What is below {}, the grey line, is chance.",
         rounded(chance)
     );
     section.picture(&figure.name, &about);
@@ -204,16 +204,24 @@ fn in_words(off: f64) -> String {
     format!("{:.1} % too {}", 100.0 * off.abs(), if off < 0.0 { "low" } else { "high" })
 }
 
-fn figure(found: &[(Setting, Statistics)]) -> Figure {
-    let panel = Panel::of_solvers("A gas: its pressure", "relative error of Z", String::new(), |solver| {
-        let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
-        let dot = |(setting, statistics): &(Setting, Statistics)| Dot {
-            spread: Some(statistics.times.quartiles),
-            ..setting
-                .dot(statistics.times.median, (statistics.compressibility / PUBLISHED - 1.0).abs().max(1e-4))
-        };
-        own.map(dot).collect()
-    });
+/// The errors of the pressure, with the line below which chance alone makes them.
+fn figure(found: &[(Setting, Statistics)], chance: f64) -> Figure {
+    let mut panel =
+        Panel::of_solvers("A gas: its pressure", "relative error of Z", String::new(), |solver| {
+            let own = found.iter().filter(|(setting, _)| setting.solver() == solver);
+            let dot = |(setting, statistics): &(Setting, Statistics)| Dot {
+                spread: Some(statistics.times.quartiles),
+                ..setting.dot(
+                    statistics.times.median,
+                    (statistics.compressibility / PUBLISHED - 1.0).abs().max(1e-4),
+                )
+            };
+            own.map(dot).collect()
+        });
+    if let Some((_, statistics)) = found.first() {
+        let through = (statistics.times.median, chance);
+        panel.guides.push(Guide { label: "chance".to_owned(), through, slope: 0.0 });
+    }
     Figure { name: "gas".to_owned(), columns: 1, panels: vec![panel] }
 }
 

@@ -6,12 +6,13 @@ use plotters::chart::ChartContext;
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axis::Places;
-use super::{Curve, Dot, Entry, FONT, Figure, GREY, Guide, LEGEND, Mark, NUMBERS, Panel, Style};
+use super::words::{FONT, NUMBERS, Paper, Words};
+use super::{Curve, Dot, Entry, FAINT, Figure, GREY, Guide, LEGEND, Mark, Panel, Style};
 
-type Area<DB> = DrawingArea<DB, Shift>;
+pub(super) type Area<DB> = DrawingArea<DB, Shift>;
 type Chart<'a, DB> = ChartContext<'a, DB, Cartesian2d<Places, Places>>;
 
 const WHITE: RGBColor = RGBColor(255, 255, 255);
@@ -23,12 +24,19 @@ const TITLE: u32 = 19;
 const LABEL: u32 = 16;
 const NUMBER: u32 = 15;
 const NOTE: u32 = 14;
+/// The height of the title's line, px.
+const TITLE_LINE: u32 = 26;
+/// The room beside and below a frame for its numbers and labels, px.
+const BESIDE: u32 = 66;
+const BELOW: u32 = 42;
 /// The height of a note's line, px.
 const NOTE_LINE: u32 = 16;
 /// Half the size of the largest mark, px.
-const MARK: u32 = 6;
-/// The radius of a ring, px.
-const RING: u32 = 8;
+const MARK: u32 = 7;
+/// Half the edge of a square, px: there is room in it for a circle.
+const SQUARE: u32 = 5;
+/// The radius of a circle, px.
+const CIRCLE: u32 = 3;
 /// The size of exponents, and how far their middle is above that of what they raise, px.
 const EXPONENT: u32 = 11;
 const RAISED: u32 = 5;
@@ -41,17 +49,25 @@ const NAME_AT: [f64; 16] =
 const CLEAR: i32 = 3;
 
 /// An error of the plotting library in words.
-fn told(error: impl Display) -> String {
+pub(super) fn told(error: impl Display) -> String {
     error.to_string()
 }
 
-/// Text of a size, px of the figure at scale 1.
-fn text(size: u32, scale: u32, colour: RGBColor) -> TextStyle<'static> {
-    (FONT, size * scale).into_font().color(&colour)
+/// Text of a size, px of the figure at scale 1, in ink, its middle at the place that it is drawn at.
+fn text(text: &str, size: u32, scale: u32) -> Words<'_> {
+    Words {
+        text,
+        font: FONT,
+        size: size * scale,
+        colour: INK,
+        along: HPos::Center,
+        across: VPos::Center,
+        upright: false,
+    }
 }
 
 /// Draws all panels and the legend; `scale` enlarges everything.
-pub(super) fn figure<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale: u32) -> Result<(), String> {
+pub(super) fn figure<DB: Paper>(area: &Area<DB>, figure: &Figure, scale: u32) -> Result<(), String> {
     area.fill(&WHITE).map_err(told)?;
     let height = area.dim_in_pixel().1;
     let (panels, strip) = area.split_vertically(height - LEGEND * figure.legend_rows() as u32 * scale);
@@ -64,19 +80,21 @@ pub(super) fn figure<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale
 }
 
 /// Draws a panel, with a line for a note where `noted`: in all panels of a figure, so that their frames are in line.
-fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, noted: bool, scale: u32) -> Result<(), String> {
+fn panel<DB: Paper>(area: &Area<DB>, panel: &Panel, noted: bool, scale: u32) -> Result<(), String> {
     let area = area.margin(8 * scale, 8 * scale, 8 * scale, 18 * scale);
-    let mut area = area.titled(&panel.title, text(TITLE, scale, INK)).map_err(told)?;
+    let width = area.dim_in_pixel().0 as i32;
+    let (line, mut area) = area.split_vertically(TITLE_LINE * scale);
+    // Over the middle of the frame.
+    let middle = i32::midpoint(width, (BESIDE * scale) as i32);
+    text(&panel.title, TITLE, scale).draw(&line, (middle, (TITLE_LINE * scale) as i32 / 2))?;
     if noted {
         let (line, below) = area.split_vertically(NOTE_LINE * scale);
-        let style = text(NOTE, scale, INK).pos(Pos::new(HPos::Right, VPos::Center));
-        let (width, height) = line.dim_in_pixel();
-        let at = (width as i32, height as i32 / 2);
-        line.draw(&Text::new(panel.note.clone(), at, style)).map_err(told)?;
+        let note = Words { along: HPos::Right, ..text(&panel.note, NOTE, scale) };
+        note.draw(&line, (width, (NOTE_LINE * scale) as i32 / 2))?;
         area = below;
     }
     let mut builder = ChartBuilder::on(&area);
-    builder.x_label_area_size(42 * scale).y_label_area_size(66 * scale);
+    builder.x_label_area_size(BELOW * scale).y_label_area_size(BESIDE * scale);
     let mut chart = builder.build_cartesian_2d(panel.x.places(), panel.y.places()).map_err(told)?;
     chart
         .configure_mesh()
@@ -87,24 +105,22 @@ fn panel<DB: DrawingBackend>(area: &Area<DB>, panel: &Panel, noted: bool, scale:
         .y_labels(panel.y.ticks().len())
         // Exponents are smaller text, which the library does not know.
         .label_style((FONT, NUMBER).into_font().color(&TRANSPARENT))
-        .axis_desc_style(text(LABEL, scale, INK))
-        .x_desc(panel.x.label)
-        .y_desc(panel.y.label)
         .set_all_tick_mark_size(TICK * scale)
         .draw()
         .map_err(told)?;
     draw_numbers(&chart, panel, &area, scale)?;
+    let (half, height) = ((LABEL * scale) as i32 / 2, area.dim_in_pixel().1 as i32);
+    text(panel.x.label, LABEL, scale).draw(&area, (middle, height - half))?;
+    let label = Words { upright: true, ..text(panel.y.label, LABEL, scale) };
+    label.draw(&area, (half, (height - (BELOW * scale) as i32) / 2))?;
     for guide in &panel.guides {
         draw_guide(&mut chart, panel, guide, scale)?;
     }
-    for curve in &panel.curves {
-        draw_curve(&mut chart, panel, curve, scale)?;
-    }
-    Ok(())
+    draw_curves(&mut chart, panel, scale)
 }
 
 /// The numbers and names at the ticks of both axes.
-fn draw_numbers<DB: DrawingBackend>(
+fn draw_numbers<DB: Paper>(
     chart: &Chart<'_, DB>,
     panel: &Panel,
     area: &Area<DB>,
@@ -128,7 +144,7 @@ fn draw_numbers<DB: DrawingBackend>(
 }
 
 /// A number with its exponent: its middle in height, and its middle or its right end, are at this place.
-fn draw_number<DB: DrawingBackend>(
+fn draw_number<DB: Paper>(
     area: &Area<DB>,
     (base, exponent): (String, String),
     (x, y): (i32, i32),
@@ -136,22 +152,15 @@ fn draw_number<DB: DrawingBackend>(
     font: &'static str,
     scale: u32,
 ) -> Result<(), String> {
-    let style = |size: u32| {
-        let style: TextStyle<'static> = (font, size * scale).into_font().color(&INK);
-        style.pos(Pos::new(HPos::Left, VPos::Center))
-    };
-    let (large, small) = (style(NUMBER), style(EXPONENT));
-    let width = |text: &str, style: &TextStyle<'_>| {
-        area.estimate_text_size(text, style).map(|(width, _)| width as i32).map_err(told)
-    };
-    let (base_width, exponent_width) = (width(&base, &large)?, width(&exponent, &small)?);
-    let whole = base_width + exponent_width;
+    let words = |said, size| Words { font, along: HPos::Left, ..text(said, size, scale) };
+    let (base, exponent) = (words(&base, NUMBER), words(&exponent, EXPONENT));
+    let whole = base.width() + exponent.width();
     let x = if centred { x - whole / 2 } else { x - whole };
-    area.draw(&Text::new(base, (x, y), large)).map_err(told)?;
-    if exponent.is_empty() {
+    base.draw(area, (x, y))?;
+    if exponent.text.is_empty() {
         return Ok(());
     }
-    area.draw(&Text::new(exponent, (x + base_width, y - (RAISED * scale) as i32), small)).map_err(told)
+    exponent.draw(area, (x + base.width(), y - (RAISED * scale) as i32))
 }
 
 /// The ends of a guide's line, cut off at the diagram's edges; none where it does not come through.
@@ -166,17 +175,17 @@ fn ends(panel: &Panel, guide: &Guide) -> Option<[(f64, f64); 2]> {
 }
 
 /// A straight line through the diagram, with its name above it, where no other line is if there is such a place.
-fn draw_guide<DB: DrawingBackend>(
+fn draw_guide<DB: Paper>(
     chart: &mut Chart<'_, DB>,
     panel: &Panel,
     guide: &Guide,
     scale: u32,
 ) -> Result<(), String> {
     let Some([from, to]) = ends(panel, guide) else { return Ok(()) };
-    chart.draw_series(LineSeries::new([from, to], GREY.stroke_width(scale))).map_err(told)?;
-    let style = text(NOTE, scale, GREY).pos(Pos::new(HPos::Left, VPos::Bottom));
-    let size = chart.plotting_area().estimate_text_size(&guide.label, &style).map_err(told)?;
-    let (width, height, clear) = (size.0 as i32, size.1 as i32, CLEAR * scale as i32);
+    chart.draw_series(LineSeries::new([from, to], FAINT.stroke_width(scale))).map_err(told)?;
+    let name = text(&guide.label, NOTE, scale);
+    let name = Words { colour: GREY, along: HPos::Left, across: VPos::Bottom, ..name };
+    let (width, height, clear) = (name.width(), name.height(), CLEAR * scale as i32);
     let (others, right) =
         (in_the_way(chart, panel, guide, scale), chart.plotting_area().get_pixel_range().0.end);
     let at = |share: f64| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
@@ -187,17 +196,13 @@ fn draw_guide<DB: DrawingBackend>(
         (is_outside, others.iter().filter(|(x, y)| across.contains(x) && down.contains(y)).count())
     };
     let share = NAME_AT.into_iter().min_by_key(crossed).unwrap_or(NAME_AT[0]);
-    chart.draw_series([Text::new(guide.label.clone(), at(share), style)]).map_err(told)?;
-    Ok(())
+    let area = chart.plotting_area().strip_coord_spec();
+    let ((x, y), (left, top)) = (chart.backend_coord(&at(share)), area.get_base_pixel());
+    name.draw(&area, (x - left, y - top))
 }
 
 /// The pixels of all lines in a panel but this guide's own, and the middles and edges of its marks.
-fn in_the_way<DB: DrawingBackend>(
-    chart: &Chart<'_, DB>,
-    panel: &Panel,
-    guide: &Guide,
-    scale: u32,
-) -> Vec<(i32, i32)> {
+fn in_the_way<DB: Paper>(chart: &Chart<'_, DB>, panel: &Panel, guide: &Guide, scale: u32) -> Vec<(i32, i32)> {
     let guides = panel.guides.iter().filter(|other| *other != guide).filter_map(|other| ends(panel, other));
     let mut lines: Vec<Vec<(f64, f64)>> = guides.map(|ends| ends.to_vec()).collect();
     let at = |x: f64, y: f64| (panel.x.place(x), panel.y.place(y));
@@ -224,16 +229,33 @@ fn in_the_way<DB: DrawingBackend>(
     pixels
 }
 
-fn draw_curve<DB: DrawingBackend>(
+/// All curves, so that what lies on another leaves it in sight: dashed lines over whole ones, which their gaps show, and small
+/// marks over large ones.
+fn draw_curves<DB: Paper>(chart: &mut Chart<'_, DB>, panel: &Panel, scale: u32) -> Result<(), String> {
+    let mut curves: Vec<&Curve> = panel.curves.iter().collect();
+    curves.sort_by_key(|curve| curve.style.dash.is_some());
+    for curve in &curves {
+        draw_lines(chart, panel, curve, scale)?;
+    }
+    curves.sort_by_key(|curve| curve.style.mark);
+    for Curve { style, dots, marked, .. } in curves {
+        let place = |dot: &Dot| (panel.x.place(dot.x), panel.y.place(dot.y));
+        draw_marks(chart, style.mark, *style, dots.iter().step_by(*marked).map(place), scale)?;
+        let used = dots.iter().filter(|dot| dot.used).map(place);
+        draw_marks(chart, style.mark.ringed(), *style, used, scale)?;
+    }
+    Ok(())
+}
+
+/// The line of a curve, and those that say how far its dots may be off.
+fn draw_lines<DB: Paper>(
     chart: &mut Chart<'_, DB>,
     panel: &Panel,
     curve: &Curve,
     scale: u32,
 ) -> Result<(), String> {
-    let places: Vec<(f64, f64)> =
-        curve.dots.iter().map(|dot| (panel.x.place(dot.x), panel.y.place(dot.y))).collect();
-    let joined: Vec<(f64, f64)> =
-        places.iter().zip(&curve.dots).filter(|(_, dot)| dot.joined).map(|(&at, _)| at).collect();
+    let joined = curve.dots.iter().filter(|dot| dot.joined);
+    let joined: Vec<(f64, f64)> = joined.map(|dot| (panel.x.place(dot.x), panel.y.place(dot.y))).collect();
     let line = curve.style.colour.stroke_width(2 * scale);
     match curve.style.dash {
         _ if !curve.lined => Ok(()),
@@ -244,59 +266,62 @@ fn draw_curve<DB: DrawingBackend>(
         }
     }
     .map_err(told)?;
-    for (dot, &(_, y)) in curve.dots.iter().zip(&places) {
+    for dot in &curve.dots {
         if let Some((least, most)) = dot.spread {
-            let ends = [(panel.x.place(least), y), (panel.x.place(most), y)];
+            let ends = [least, most].map(|x| (panel.x.place(x), panel.y.place(dot.y)));
             chart.draw_series(LineSeries::new(ends, curve.style.colour.stroke_width(scale))).map_err(told)?;
         }
     }
-    let marked = places.iter().step_by(curve.marked).copied().collect();
-    draw_marks(chart, curve.style.mark, curve.style, marked, scale)?;
-    let used = curve.dots.iter().zip(places).filter(|(dot, _)| dot.used).map(|(_, at)| at).collect();
-    draw_marks(chart, Mark::Ring, curve.style, used, scale)
+    Ok(())
 }
 
-fn draw_marks<DB: DrawingBackend>(
+/// Marks at these places of a diagram.
+fn draw_marks<DB: Paper>(
     chart: &mut Chart<'_, DB>,
     mark: Mark,
     style: Style,
-    places: Vec<(f64, f64)>,
+    places: impl Iterator<Item = (f64, f64)>,
     scale: u32,
 ) -> Result<(), String> {
-    let (fill, places) = (style.colour.filled(), places.into_iter());
+    let places: Vec<(i32, i32)> = places.map(|place| chart.backend_coord(&place)).collect();
+    let area = chart.plotting_area().strip_coord_spec();
+    let (left, top) = area.get_base_pixel();
+    places.into_iter().try_for_each(|(x, y)| draw_mark(&area, mark, style, (x - left, y - top), scale))
+}
+
+/// A mark at this pixel: filled, or, where others may lie on it, hollow.
+fn draw_mark<DB: Paper>(
+    area: &Area<DB>,
+    mark: Mark,
+    Style { colour, .. }: Style,
+    (x, y): (i32, i32),
+    scale: u32,
+) -> Result<(), String> {
     match mark {
-        Mark::Circle => chart.draw_series(places.map(|at| Circle::new(at, 4 * scale, fill))).map(drop),
-        Mark::Triangle => {
-            chart.draw_series(places.map(|at| TriangleMarker::new(at, MARK * scale, fill))).map(drop)
-        }
+        Mark::Triangle => area.draw(&TriangleMarker::new((x, y), MARK * scale, colour.filled())),
         Mark::Square => {
-            let square = |at: (f64, f64)| {
-                let half = 4 * scale as i32;
-                EmptyElement::at(at) + Rectangle::new([(-half, -half), (half, half)], fill)
-            };
-            chart.draw_series(places.map(square)).map(drop)
+            let half = (SQUARE * scale) as i32;
+            // From the middle of an edge: a corner where the line began would be cut off.
+            let corners = [(0, -1), (1, -1), (1, 1), (-1, 1), (-1, -1), (0, -1)];
+            let corners = corners.map(|(across, down)| (x + half * across, y + half * down));
+            area.draw(&PathElement::new(corners, colour.stroke_width(2 * scale)))
         }
-        Mark::Ring => {
-            let line = style.colour.stroke_width(scale);
-            chart.draw_series(places.map(|at| Circle::new(at, RING * scale, line))).map(drop)
-        }
+        Mark::Circle => area.draw(&Circle::new((x, y), CIRCLE * scale, colour.filled())),
+        Mark::Ring(radius) => area.draw(&Circle::new((x, y), radius * scale, colour.stroke_width(scale))),
         Mark::None => Ok(()),
     }
     .map_err(told)
 }
 
 /// The curves' names: in a row in the middle, or in two columns.
-fn legend<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale: u32) -> Result<(), String> {
+fn legend<DB: Paper>(area: &Area<DB>, figure: &Figure, scale: u32) -> Result<(), String> {
     let entries = figure.legend();
     let px = scale as i32;
-    let (row, style) = (LEGEND as i32 * px, text(LABEL, scale, INK));
-    let width = |label: &str| {
-        let size = area.estimate_text_size(label, &style).map_err(told)?;
-        Ok::<i32, String>(size.0 as i32 + 66 * px)
-    };
+    let row = LEGEND as i32 * px;
+    let width = |entry: &Entry<'_>| text(entry.label, LABEL, scale).width() + 66 * px;
     let whole = area.dim_in_pixel().0 as i32;
     if figure.legend_rows() == 1 {
-        let widths = entries.iter().map(|entry| width(entry.label)).collect::<Result<Vec<i32>, String>>()?;
+        let widths: Vec<i32> = entries.iter().map(width).collect();
         // Behind the last name there is no gap.
         let mut x = whole / 2 - (widths.iter().sum::<i32>() - 26 * px) / 2;
         for (one, width) in entries.into_iter().zip(widths) {
@@ -313,33 +338,21 @@ fn legend<DB: DrawingBackend>(area: &Area<DB>, figure: &Figure, scale: u32) -> R
 }
 
 /// A line with a mark, or a mark alone, and its name.
-fn entry<DB: DrawingBackend>(
+fn entry<DB: Paper>(
     area: &Area<DB>,
     (x, y): (i32, i32),
-    Entry { label, style: Style { colour, mark, dash }, lined }: Entry<'_>,
+    Entry { label, style, lined }: Entry<'_>,
     scale: u32,
 ) -> Result<(), String> {
     let px = scale as i32;
-    let (line, fill) = (colour.stroke_width(2 * scale), colour.filled());
+    let line = style.colour.stroke_width(2 * scale);
     let ends = [(x, y), (x + 32 * px, y)];
-    match dash {
+    match style.dash {
         _ if !lined => Ok(()),
         None => area.draw(&PathElement::new(ends, line)),
         Some((dash, gap)) => area.draw(&DashedPathElement::new(ends, dash * scale, gap * scale, line)),
     }
     .map_err(told)?;
-    let (at, half) = ((x + 16 * px, y), 4 * px);
-    match mark {
-        Mark::Circle => area.draw(&Circle::new(at, 4 * scale, fill)),
-        Mark::Triangle => area.draw(&TriangleMarker::new(at, MARK * scale, fill)),
-        Mark::Square => {
-            let corners = [(at.0 - half, at.1 - half), (at.0 + half, at.1 + half)];
-            area.draw(&Rectangle::new(corners, fill))
-        }
-        Mark::Ring => area.draw(&Circle::new(at, RING * scale, colour.stroke_width(scale))),
-        Mark::None => Ok(()),
-    }
-    .map_err(told)?;
-    let style = text(LABEL, scale, INK).pos(Pos::new(HPos::Left, VPos::Center));
-    area.draw(&Text::new(label.to_owned(), (x + 40 * px, y), style)).map_err(told)
+    draw_mark(area, style.mark, style, (x + 16 * px, y), scale)?;
+    Words { along: HPos::Left, ..text(label, LABEL, scale) }.draw(area, (x + 40 * px, y))
 }

@@ -6,6 +6,9 @@
 
 mod axis;
 mod draw;
+#[cfg(test)]
+mod tests;
+mod words;
 
 use std::sync::OnceLock;
 
@@ -14,6 +17,7 @@ use plotters::prelude::{BitMapBackend, IntoDrawingArea, RGBColor, SVGBackend};
 use plotters::style::{FontStyle, register_font};
 use thiserror::Error;
 use tiny_skia::{IntSize, Pixmap};
+use words::FONTS;
 
 use crate::simulation::Solver;
 
@@ -25,14 +29,27 @@ pub struct ChartError {
     why: String,
 }
 
-/// The shape that a curve's points are marked with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The shape that a curve's points are marked with. Marks at one place must all show: each is smaller than those before it, which
+/// are drawn first, and the square is hollow, to be told from a circle in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Mark {
-    Circle,
-    Square,
     Triangle,
-    Ring,
+    Square,
+    Circle,
+    /// A ring of this radius, px, around what is marked.
+    Ring(u32),
     None,
+}
+
+impl Mark {
+    /// The ring around such a mark: one of its own size, so that rings at one place show, too.
+    fn ringed(self) -> Self {
+        Self::Ring(match self {
+            Self::Triangle => 13,
+            Self::Square => 10,
+            _ => 7,
+        })
+    }
 }
 
 /// How a curve looks.
@@ -48,7 +65,9 @@ const ORANGE: RGBColor = RGBColor(213, 94, 0);
 const BLUE: RGBColor = RGBColor(0, 90, 160);
 const GREEN: RGBColor = RGBColor(0, 158, 115);
 const BLACK: RGBColor = RGBColor(0, 0, 0);
+/// The names of guides, and their lines, which must not look like data.
 const GREY: RGBColor = RGBColor(110, 110, 110);
+const FAINT: RGBColor = RGBColor(175, 175, 175);
 
 impl Style {
     /// A solver looks the same in every figure.
@@ -176,9 +195,8 @@ const WIDE: u32 = 800;
 const LEGEND: u32 = 30;
 /// Pixels of the PNG for each px.
 const ENLARGED: u32 = 2;
-const FONT: &str = "sans-serif";
-/// The numbers' font: the other has no minus.
-const NUMBERS: &str = "monospace";
+/// Each of those is drawn as so many times as many, for smooth edges: the plotting library smooths lines, but not circles.
+const FINE: u32 = 2;
 
 impl Figure {
     /// The figure's files: name and content.
@@ -210,7 +228,7 @@ impl Figure {
             }
         }
         if curves().flat_map(|curve| &curve.dots).any(|dot| dot.used) {
-            let style = Style { mark: Mark::Ring, ..Style::plain(None) };
+            let style = Style { mark: Mark::Square.ringed(), ..Style::plain(None) };
             entries.push(Entry { label: "as it is used", style, lined: false });
         }
         entries
@@ -236,187 +254,41 @@ impl Figure {
     fn png(&self) -> Result<Vec<u8>, String> {
         let (width, height) = self.size();
         let (width, height) = (width * ENLARGED, height * ENLARGED);
-        let mut pixels = vec![0; 3 * width as usize * height as usize];
-        let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
-        draw::figure(&area, self, ENLARGED)?;
+        let mut pixels = vec![0; (3 * width * FINE) as usize * (height * FINE) as usize];
+        let area = BitMapBackend::with_buffer(&mut pixels, (width * FINE, height * FINE)).into_drawing_area();
+        draw::figure(&area, self, ENLARGED * FINE)?;
         drop(area);
-        let opaque = pixels.chunks_exact(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
+        let opaque = shrunk(&pixels, width as usize);
         let size = IntSize::from_wh(width, height).ok_or("it has no size")?;
         let pixmap = Pixmap::from_vec(opaque, size).ok_or("it has the wrong size")?;
         pixmap.encode_png().map_err(|error| error.to_string())
     }
 }
 
+/// The opaque pixels of a picture that is so wide, each the mean of `FINE`·`FINE` of these without opacity.
+fn shrunk(fine: &[u8], width: usize) -> Vec<u8> {
+    let step = FINE as usize;
+    let rows = fine.chunks_exact(3 * step * step * width);
+    let pixel = |rows: &[u8], x: usize| {
+        let at = |channel: usize| {
+            let parts = (0..step * step).map(|part| {
+                let (right, down) = (x * step + part % step, part / step);
+                u32::from(rows[3 * (down * step * width + right) + channel])
+            });
+            (parts.sum::<u32>() / (FINE * FINE)) as u8
+        };
+        [at(0), at(1), at(2), 255]
+    };
+    rows.flat_map(|rows| (0..width).flat_map(move |x| pixel(rows, x))).collect()
+}
+
 /// Tells the plotting library the fonts, once.
 fn carry_font() -> Result<(), String> {
     static CARRIED: OnceLock<bool> = OnceLock::new();
-    let carry = || {
-        let fonts =
-            [(FONT, epaint_default_fonts::UBUNTU_LIGHT), (NUMBERS, epaint_default_fonts::HACK_REGULAR)];
-        fonts.into_iter().all(|(name, font)| register_font(name, FontStyle::Normal, font).is_ok())
-    };
+    let carry = || FONTS.into_iter().all(|(name, font)| register_font(name, FontStyle::Normal, font).is_ok());
     if *CARRIED.get_or_init(carry) {
         Ok(())
     } else {
         Err("the font that the program carries is broken".to_owned())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn figure() -> Figure {
-        let curve = |solver: Solver, shift: f64| Curve {
-            label: solver.name().to_owned(),
-            style: Style::of(solver),
-            dots: (0..8).map(|k| Dot::at(1e-6 * 2_f64.powi(k), shift * 0.5_f64.powi(k))).collect(),
-            marked: 1,
-            lined: true,
-        };
-        let panel = Panel {
-            title: "A test".to_owned(),
-            x: Axis::log("run time, s", [1e-6, 1e-3]),
-            y: Axis::log("error, px", [1e-13, 10.0]),
-            curves: vec![curve(Solver::Canvas, 10.0), curve(Solver::Exact, 1e-10)],
-            guides: vec![Guide { label: "order 1".to_owned(), through: (1e-6, 10.0), slope: -1.0 }],
-            note: "contact: given up".to_owned(),
-        };
-        Figure { name: "test".to_owned(), columns: 2, panels: vec![panel.clone(), panel] }
-    }
-
-    #[test]
-    fn the_legend_shows_lines_and_rings_where_there_are_any() {
-        let mut figure = figure();
-        let lined = |figure: &Figure| figure.legend().iter().map(|entry| entry.lined).collect::<Vec<_>>();
-        assert_eq!(lined(&figure), [true, true]);
-        figure.panels[0].curves[0].lined = false;
-        figure.panels[1].curves[1].dots[2].used = true;
-        assert_eq!(lined(&figure), [false, true, false]);
-        assert_eq!(figure.legend()[2].style.mark, Mark::Ring);
-    }
-
-    #[test]
-    fn a_figure_is_an_svg_and_a_png_of_twice_its_size() {
-        let files = figure().files().unwrap();
-        assert_eq!([&*files[0].0, &*files[1].0], ["test.svg", "test.png"]);
-        let svg = String::from_utf8(files[0].1.clone()).unwrap();
-        assert!(svg.contains("order 1") && svg.contains("exact") && svg.contains("−12"), "{svg}");
-        let png = Pixmap::decode_png(&files[1].1).unwrap();
-        assert_eq!((png.width(), png.height()), (1920, 760));
-        // The curves are there in their colours.
-        let has = |colour: RGBColor| {
-            png.pixels()
-                .iter()
-                .any(|pixel| (pixel.red(), pixel.green(), pixel.blue()) == (colour.0, colour.1, colour.2))
-        };
-        assert!(has(ORANGE) && has(BLUE) && !has(GREEN));
-    }
-
-    #[test]
-    fn the_line_of_a_curve_goes_through_the_dots_that_it_joins() {
-        let mut figure = figure();
-        figure.columns = 1;
-        figure.panels.truncate(1);
-        figure.panels[0].guides.clear();
-        figure.panels[0].curves = vec![Curve {
-            style: Style::of(Solver::Exact),
-            dots: vec![
-                Dot::at(1e-5, 1e-4),
-                Dot::at(1e-4, 1e-4),
-                Dot { joined: false, ..Dot::at(1e-4, 1e-8) },
-            ],
-            ..figure.panels[0].curves[1].clone()
-        }];
-        carry_font().unwrap();
-        let svg = figure.svg().unwrap();
-        let lines: Vec<&str> =
-            svg.split("<polyline").filter(|tag| tag.split('>').next().unwrap().contains("#005AA0")).collect();
-        let points = |line: &str| {
-            line.split("points=\"").nth(1).unwrap().split('"').next().unwrap().trim().split(' ').count()
-        };
-        // That of the legend, too.
-        assert!(!lines.is_empty() && lines.iter().all(|line| points(line) == 2), "{lines:?}");
-        assert_eq!(svg.matches("<circle").count(), 4, "{svg}");
-    }
-
-    /// The texts of an SVG: where they begin or end, and what they say.
-    fn texts(svg: &str) -> Vec<((f64, f64), String)> {
-        let number = |tag: &str, name: &str| {
-            tag.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
-        };
-        let texts = svg.split("<text").skip(1).map(|text| {
-            let (tag, rest) = text.split_once('>').unwrap();
-            ((number(tag, "x"), number(tag, "y")), rest.split('<').next().unwrap().trim().to_owned())
-        });
-        texts.collect()
-    }
-
-    #[test]
-    fn an_exponent_is_right_behind_its_ten_and_above_it() {
-        carry_font().unwrap();
-        let texts = texts(&figure().svg().unwrap());
-        let behind = |text: &str| {
-            let pairs = texts.windows(2).filter(|pair| pair[0].1 == "10" && pair[1].1 == text);
-            pairs.map(|pair| (pair[1].0.0 - pair[0].0.0, pair[1].0.1 - pair[0].0.1)).collect::<Vec<_>>()
-        };
-        for exponent in ["−12", "−6", "0"] {
-            let places = behind(exponent);
-            assert!(!places.is_empty(), "{exponent}");
-            assert!(
-                places.iter().all(|&(x, y)| (12.0..18.0).contains(&x) && (-8.0..-3.0).contains(&y)),
-                "{places:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn no_line_crosses_a_guides_name_where_there_is_a_place_for_it() {
-        carry_font().unwrap();
-        // A curve that falls steeply, a mark whose spread goes from end to end, and a curve that goes along most of the guide.
-        let steep = (0..30).map(|step| 10_f64.powf(-6.0 + f64::from(step) / 10.0));
-        let steep = steep.map(|x| vec![Dot::at(x, 10.0), Dot::at(1.02 * x, 1e-13)]);
-        let level = (0..28).map(|step| 10_f64.powf(1.0 - f64::from(step) / 2.0));
-        let level = level.map(|y| vec![Dot { spread: Some((1e-6, 1e-3)), ..Dot::at(1e-6, y) }]);
-        let along = vec![Dot::at(2e-6, 6.5), Dot::at(2.9e-4, 1.3e-5 / 2.9e-4)];
-        for dots in steep.chain(level).chain([along]) {
-            let mut figure = figure();
-            figure.columns = 1;
-            figure.panels.truncate(1);
-            let panel = &mut figure.panels[0];
-            panel.curves.truncate(1);
-            panel.curves[0].style = Style::of(Solver::Exact);
-            panel.curves[0].dots.clone_from(&dots);
-            let svg = figure.svg().unwrap();
-            let ((left, below), _) = texts(&svg).into_iter().find(|(_, text)| text == "order 1").unwrap();
-            let lines = svg.split("<polyline").filter(|tag| tag.contains("#005AA0"));
-            // A name of seven letters, 14 px high.
-            let crossed = lines.filter(|line| {
-                let points = line.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
-                let points: Vec<f64> = points.split([' ', ',']).filter_map(|it| it.parse().ok()).collect();
-                (0..=1000).map(|step| f64::from(step) / 1000.0).any(|share| {
-                    let at = |index: usize| {
-                        points[index] + share * (points[points.len() - 2 + index] - points[index])
-                    };
-                    (0.0..42.0).contains(&(at(0) - left)) && (0.0..11.0).contains(&(below - at(1)))
-                })
-            });
-            assert_eq!(crossed.count(), 0, "the name at {left}, {below} and the line of {dots:?}");
-        }
-    }
-
-    #[cfg(feature = "window")]
-    #[test]
-    fn the_fonts_have_every_character_that_figures_use() {
-        use ab_glyph::{Font, FontRef, GlyphId};
-
-        let (text, numbers) = ("0123456789.,:;()/·–×=+²³⁴⁵⁶⁷⁸⁹µabcxyzABCXYZ'%", "0123456789.-−");
-        for (font, used) in
-            [(epaint_default_fonts::UBUNTU_LIGHT, text), (epaint_default_fonts::HACK_REGULAR, numbers)]
-        {
-            let font = FontRef::try_from_slice(font).unwrap();
-            let missing: String = used.chars().filter(|&it| font.glyph_id(it) == GlyphId(0)).collect();
-            assert_eq!(missing, "");
-        }
     }
 }
