@@ -10,14 +10,18 @@ use super::{Exact, Needs};
 
 /// Events that follow each other so fast on average, s, and without end, count as at one time: this over the number of balls,
 /// where they are so many or more, since others have events in the meantime ...
-pub(super) const CREEP: f64 = 1e-6;
+pub(super) const CREEP: f64 = 1e-5;
 pub(super) const MANY: usize = 100;
-/// ... where balls go no farther between them than this part of their radius on average: the rounding of where they are. In
-/// Galperin's billiard they go as far as the gap at its start over the square root of the mass ratio: 3e-5 px of 300 with 10¹⁴.
-const NOWHERE: f64 = 1e-14;
+/// ... where balls go no farther between them than this part of their radius on average, over the same number of balls. Elastic ones
+/// that have next to no room would go to and fro in it without end. In Galperin's billiard they go as far as the gap at its start over
+/// the square root of the mass ratio: 3e-5 px of 300 with 10¹⁴.
+const NOWHERE: f64 = 1e-8;
 /// The same of balls that lose speed in impacts: one that a heavier one presses into a pocket would go to and fro there for ever,
 /// since what chatters loses none.
-const NOWHERE_OF_CHATTER: f64 = 1e-10;
+const NOWHERE_OF_CHATTER: f64 = 2e-10;
+/// What counts as at one time ends after this part of chatter's time, however slowly events creep: as long as what rises at the rest
+/// speed needs to its top. What was stopped for want of room is pressed by gravity until then, and would be stopped again without end.
+const LONGEST_INSTANT: f64 = 0.5;
 
 /// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
 const HITS_PER_YEAR: f64 = 1.0;
@@ -137,7 +141,8 @@ impl Exact {
     #[inline]
     fn take<N: Needs>(&mut self, tally: &mut Tally, entry: Entry) {
         let (slot, now) = (entry.ball as usize, entry.time);
-        if now > self.instant + INSTANT + self.creep * self.at_once as f64 || self.gets_on::<N>(slot, now) {
+        let creeps = (self.creep * self.at_once as f64).min(LONGEST_INSTANT * self.chatter_time);
+        if now > self.instant + INSTANT + creeps || self.gets_on::<N>(slot, now) {
             (self.instant, self.at_once) = (now, 0);
         }
         self.count_event();
@@ -178,12 +183,23 @@ impl Exact {
         }
     }
 
-    /// Whether the events since the present time began get anywhere, however little time they take, by how fast this ball is.
+    /// Whether the events since the present time began get anywhere, however little time they take, by how fast this ball comes to what it
+    /// hits now: in a tube it may fall meanwhile, and with others in a row, too.
     fn gets_on<N: Needs>(&self, slot: usize, now: f64) -> bool {
         let since = now - self.instant;
+        if since <= INSTANT || self.flights[slot].impact != now {
+            return false;
+        }
         let Matter { radius, restitution, .. } = *self.matter::<N>(slot);
-        let least = radius * if restitution < 1.0 { NOWHERE_OF_CHATTER } else { NOWHERE };
-        since > INSTANT && since * self.flights[slot].velocity.length() > least * self.at_once as f64
+        let (_, velocity) = self.state::<N>(slot, now);
+        let speed = match self.flights[slot].against.target() {
+            Target::Nothing => 0.0,
+            Target::Wall { axis, .. } => velocity[axis].abs(),
+            Target::Ball(other) => velocity.distance(self.state::<N>(other, now).1),
+        };
+        let elastic = || NOWHERE / self.flights.len().max(MANY) as f64;
+        let least = radius * if restitution < 1.0 { NOWHERE_OF_CHATTER } else { elastic() };
+        since * speed > least * self.at_once as f64
     }
 
     /// Counts an event at the present time.

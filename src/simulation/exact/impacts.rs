@@ -332,13 +332,15 @@ impl Exact {
     /// Marks a ball that another has hit, whose velocity changes by so much.
     #[inline]
     fn mark_hit<N: Needs>(&mut self, slot: usize, change: DVec2, leans: bool, chatters: bool) {
-        let marks = &mut self.marks[slot];
-        if N::HOLDS {
-            // A ball that is given a speed across the wall it rests on flies again.
-            (0..2)
-                .filter(|&axis| change[axis] != 0.0)
-                .for_each(|axis| marks.set(Marks::rests_on(axis), false));
+        if N::HOLDS && self.marks[slot].rests() != 0 && change != DVec2::ZERO {
+            // A ball that is given a speed across the wall it rests on flies again, and along both axes where others had stopped it.
+            for axis in 0..2 {
+                let stays = change[axis] == 0.0 && self.stands_on_wall::<N>(slot, axis);
+                let rests = self.marks[slot].has(Marks::rests_on(axis)) && stays;
+                self.marks[slot].set(Marks::rests_on(axis), rests);
+            }
         }
+        let marks = &mut self.marks[slot];
         marks.set(Marks::HIT, true);
         if !(N::HOLDS && marks.has(Marks::HELD)) {
             // What has no room, and stays, leans on the others still.
@@ -346,6 +348,14 @@ impl Exact {
             marks.set(Marks::LEANS, leans || stays);
             marks.note_chatter(chatters);
         }
+    }
+
+    /// Whether a wall is what a ball rests on that rests along an axis: it has no room between two, or gravity presses it to one.
+    fn stands_on_wall<N: Needs>(&self, slot: usize, axis: usize) -> bool {
+        let radius = self.matter::<N>(slot).radius;
+        let (size, at, pull) = (self.size[axis], self.flights[slot].position[axis], self.gravity[axis]);
+        let over = if pull < 0.0 { radius - at } else { at - (size - radius) };
+        self.jams(radius, axis) || (self.walls.is_some() && pull != 0.0 && over >= -AT_THE_WALL * size)
     }
 
     /// The changes of velocity where one of two balls, or both, rest on walls, which hold them unless the blow is so
