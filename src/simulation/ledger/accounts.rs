@@ -9,7 +9,9 @@ use crate::simulation::invariants::{beyond_edges, energy, free, momentum};
 use crate::simulation::world::{Pairs, World};
 use crate::simulation::{Simulation, Solver, Tally};
 
-use super::measures::{deepest_overlap, energy_scale, is_whole, momentum_scale, wall_tolerance};
+use super::measures::{
+    deepest_overlap, deepest_overlap_of_few, energy_scale, is_whole, momentum_scale, wall_tolerance,
+};
 
 /// The most of the world that the squares round the balls may cover together, and of its shorter side that one of them
 /// may, for balls to get out of each other's way: others may be jammed, and a jam takes energy and leans on the walls.
@@ -77,7 +79,12 @@ impl Before {
 impl Base {
     pub(super) fn new(simulation: &Simulation, grid: &mut Grid) -> Self {
         let Simulation { world, tally, ref balls, .. } = *simulation;
-        let overlap = deepest_overlap(grid, balls);
+        // Overlaps that are too deep for the laws of `contact` and `canvas` are told from others by few pairs of a crowd, too; those
+        // of `exact` must not come to be deeper than the deepest.
+        let overlap = match simulation.solver {
+            Solver::Exact => deepest_overlap(grid, balls),
+            Solver::Canvas | Solver::Contact => deepest_overlap_of_few(grid, balls),
+        };
         let covered: f64 = balls.iter().map(|ball| 4.0 * ball.radius * ball.radius).sum();
         let widest = balls.iter().map(|ball| 2.0 * ball.radius).fold(0.0, f64::max);
         let roomy = covered < ROOMY * world.size.x * world.size.y

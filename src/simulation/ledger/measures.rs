@@ -62,20 +62,31 @@ pub(super) fn stays_inside(world: &World, ball: &Ball, gravity: DVec2, seconds: 
 /// The pair that overlaps most, by the first of the two, and by how much of the smaller radius; what rounding makes of
 /// touching balls does not count.
 pub(super) fn deepest_overlap(grid: &mut Grid, balls: &[Ball]) -> Option<(usize, f64)> {
-    let mut deepest: Option<(usize, f64)> = None;
-    grid.for_each(balls, |i, j| {
-        let (a, b) = (&balls[i as usize], &balls[j as usize]);
-        if a.is_fixed() && b.is_fixed() {
-            return;
-        }
-        let rounding = EPSILON * a.position.abs().max_element();
-        let depth = a.radius + b.radius - a.position.distance(b.position) - rounding;
-        let depth = depth / a.radius.min(b.radius);
-        if depth > deepest.map_or(0.0, |(_, deepest)| deepest) {
-            deepest = Some((i as usize, depth));
-        }
-    });
+    let mut deepest = None;
+    grid.for_each(balls, |i, j| keep_deeper(&mut deepest, balls, i, j));
     deepest
+}
+
+/// The same, but of a crowd no more pairs than show that it is one
+/// ([`max_overlap`](crate::simulation::invariants::max_overlap)): a hundred thousand balls at one point have five billion.
+pub(super) fn deepest_overlap_of_few(grid: &mut Grid, balls: &[Ball]) -> Option<(usize, f64)> {
+    let mut deepest = None;
+    grid.for_each_of_few(balls, |i, j| keep_deeper(&mut deepest, balls, i, j));
+    deepest
+}
+
+/// Puts this pair into the place of the deepest so far, where it overlaps more.
+fn keep_deeper(deepest: &mut Option<(usize, f64)>, balls: &[Ball], i: u32, j: u32) {
+    let (a, b) = (&balls[i as usize], &balls[j as usize]);
+    if a.is_fixed() && b.is_fixed() {
+        return;
+    }
+    let rounding = EPSILON * a.position.abs().max_element();
+    let depth = a.radius + b.radius - a.position.distance(b.position) - rounding;
+    let depth = depth / a.radius.min(b.radius);
+    if depth > deepest.map_or(0.0, |(_, deepest)| deepest) {
+        *deepest = Some((i as usize, depth));
+    }
 }
 
 /// How far rounding lets a ball reach beyond a wall, px.
@@ -115,5 +126,20 @@ mod tests {
             still.advance(1e-10).unwrap();
             assert!(!is_whole(&still));
         }
+    }
+
+    /// A hundred thousand in one place are five billion pairs; as many as are looked at here take no time.
+    #[test]
+    fn of_a_crowd_in_one_place_few_pairs_tell_how_deep_it_is_and_of_others_all() {
+        let size = DVec2::splat(1000.0);
+        let at = |x: f64| Ball::new(DVec2::new(x, 500.0), 5.0).unwrap();
+        let crowd = vec![at(500.0); 100_000];
+        let found = deepest_overlap_of_few(&mut Grid::new(&crowd, size), &crowd).unwrap();
+        assert!((found.1 - 2.0).abs() < 1e-9, "{found:?}");
+        let row: Vec<Ball> =
+            (0..100_u32).map(|k| at(9.0 * f64::from(k) + 0.02 * f64::from(k * k % 10))).collect();
+        let mut grid = Grid::new(&row, size);
+        assert_eq!(deepest_overlap_of_few(&mut grid, &row), deepest_overlap(&mut grid, &row));
+        assert_eq!(deepest_overlap_of_few(&mut grid, &row[..1]), None);
     }
 }
