@@ -8,6 +8,9 @@ use crate::simulation::{Ball, Simulation, Solver};
 const FIRST_LOOK: f64 = 1.0 / 1024.0;
 /// How well the time of an impact is found, s: to half the time between two at which frames are shown.
 const IMPACT_KNOWN: f64 = 1.0 / (1_u64 << 47) as f64;
+/// How much longer than that a step to an impact takes, s, to be past it: where the watch stops a look ahead in a jam, its clock stands
+/// up to such a time before what it has seen.
+const PAST: f64 = 4.0 * IMPACT_KNOWN;
 /// The path of a throw is shown for so long, s ...
 const PATH: f64 = 1.0;
 /// ... in so many parts.
@@ -84,7 +87,7 @@ impl Search {
             }
             self.target = match self.between {
                 Some((low, high)) if high - low <= IMPACT_KNOWN => {
-                    return Found::After(self.passed + high + IMPACT_KNOWN);
+                    return Found::After(self.passed + high + PAST);
                 }
                 Some((low, high)) => low.midpoint(high),
                 None => 2.0 * self.target,
