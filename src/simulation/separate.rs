@@ -10,7 +10,6 @@ use glam::{BVec2, DVec2};
 use super::ball::Ball;
 use super::grid::Grid;
 use super::impulse::any_offset;
-use super::invariants::max_overlap;
 use super::solver::Solver;
 use super::squeeze::squeeze;
 use super::within;
@@ -47,6 +46,8 @@ const FULLEST: f64 = 0.84;
 const CRUSHED: f64 = 0.3;
 /// ... or by more than this on the way.
 const CRUSHED_ON_THE_WAY: f64 = 1.0;
+/// As many pairs may be crushed as there are.
+const UNLIMITED: [usize; 2] = [usize::MAX; 2];
 /// Up to this part of the world filled, balls that are brought in part from the others, wherever they come to.
 const ROOMY: f64 = 0.5;
 /// Where there are more pairs than so many a ball, they lie in one heap, which takes too long.
@@ -65,18 +66,19 @@ pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way
     let fits = has_room(world, balls);
     let come_nearer = world.size.cmplt(from).any();
     if !(gives_way && come_nearer) || balls.iter().any(Ball::is_fixed) {
-        push_in(world, from, balls, gives_way && fits, f64::INFINITY);
+        push_in(world, from, balls, gives_way && fits, UNLIMITED);
         return true;
     }
-    let before = overlap(world, balls);
+    let before = [CRUSHED_ON_THE_WAY, CRUSHED].map(|depth| deep_pairs(world, balls, depth));
     let begun = balls.to_vec();
-    if !fits || push_in(world, from, balls, true, before) == Push::Crushes {
-        balls.copy_from_slice(&begun);
-        squeeze(world, from.max(world.size), balls);
-        if fits {
-            // None of them is in front of another any more.
-            take_apart_in(world, balls, BVec2::FALSE, DIRECTED..DIRECTED + most_sweeps(balls));
-        }
+    if fits && push_in(world, from, balls, true, before) == Push::Moves {
+        return true;
+    }
+    balls.copy_from_slice(&begun);
+    squeeze(world, from.max(world.size), balls);
+    if fits {
+        // None of them is in front of another any more.
+        take_apart_in(world, balls, BVec2::FALSE, DIRECTED..DIRECTED + most_sweeps(balls));
     }
     true
 }
@@ -89,9 +91,9 @@ enum Push {
     Crushes,
 }
 
-/// Has walls that move from where they are in a world of one size push balls, and these others, where that `gives_way`. Balls lay so
-/// deep in each other before.
-fn push_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool, before: f64) -> Push {
+/// Has walls that move from where they are in a world of one size push balls, and these others, where that `gives_way`, as long as no
+/// more pairs than so many are crushed on the way, and in the end.
+fn push_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool, most: [usize; 2]) -> Push {
     let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
     let far = if gives_way { (from - world.size).max_element() / smallest } else { 0.0 };
     let steps = far.ceil().clamp(1.0, STEPS) as u32;
@@ -105,13 +107,13 @@ fn push_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool, befo
             ball.position = inside;
         }
         if pushed && gives_way {
-            let (sweeps, most) = if step == steps {
-                (most_sweeps(balls), CRUSHED)
+            let (sweeps, depth, most) = if step == steps {
+                (most_sweeps(balls), CRUSHED, most[1])
             } else {
-                (SWEEPS_OF_STEP, CRUSHED_ON_THE_WAY)
+                (SWEEPS_OF_STEP, CRUSHED_ON_THE_WAY, most[0])
             };
             take_apart_in(&world, balls, from.cmpgt(world.size), 0..sweeps);
-            if overlap(&world, balls) > before.max(most) {
+            if most < usize::MAX && deep_pairs(&world, balls, depth) > most {
                 return Push::Crushes;
             }
         }
@@ -134,14 +136,20 @@ pub(super) fn bring_strays_in(world: &World, balls: &mut [Ball], solver: Solver)
     if found {
         let free = balls.iter().filter(|ball| !ball.is_fixed());
         let from = free.fold(world.size, |size, ball| size.max(ball.position + ball.radius));
-        push_in(world, from, balls, true, f64::INFINITY);
+        push_in(world, from, balls, true, UNLIMITED);
     }
     found
 }
 
-/// The deepest overlap, as a part of the smaller radius.
-fn overlap(world: &World, balls: &[Ball]) -> f64 {
-    max_overlap(&mut Grid::new(balls, world.size), balls)
+/// How many pairs overlap by more than this part of the smaller radius; of a crowd few are looked at.
+fn deep_pairs(world: &World, balls: &[Ball], depth: f64) -> usize {
+    let mut count = 0;
+    Grid::new(balls, world.size).for_each_of_few(balls, |one, other| {
+        let (one, other) = (&balls[one as usize], &balls[other as usize]);
+        let reach = one.radius + other.radius - depth * one.radius.min(other.radius);
+        count += usize::from(one.position.distance_squared(other.position) < reach * reach);
+    });
+    count
 }
 
 /// Moves balls that overlap apart, none of them through a wall, as far as there is room; fixed ones stay.
@@ -230,6 +238,7 @@ fn part(world: &World, balls: &mut [Ball], (near, behind): (usize, usize), share
 
 #[cfg(test)]
 mod tests {
+    use super::super::invariants::max_overlap;
     use super::*;
 
     fn world(width: f64, height: f64) -> World {
@@ -238,6 +247,20 @@ mod tests {
 
     fn ball(x: f64, y: f64, radius: f64) -> Ball {
         Ball::new(DVec2::new(x, y), radius).unwrap()
+    }
+
+    fn overlap(world: &World, balls: &[Ball]) -> f64 {
+        max_overlap(&mut Grid::new(balls, world.size), balls)
+    }
+
+    /// The deepest overlap before was that which could not be exceeded, wherever it was.
+    #[test]
+    fn two_balls_in_one_place_far_off_do_not_have_a_pile_crushed() {
+        let row = |k: u32| ball(5.0 + 10.1 * f64::from(k % 39), 595.0 - 10.1 * f64::from(k / 39), 5.0);
+        let mut balls: Vec<Ball> = (0..780).map(row).chain([ball(30.0, 30.0, 5.0); 2]).collect();
+        let world = world(200.0, 600.0).with_gravity(DVec2::new(0.0, 980.0)).unwrap();
+        assert!(bring_in(&world, DVec2::new(400.0, 600.0), &mut balls, true));
+        assert!(overlap(&world, &balls[..780]) < 0.3, "{}", overlap(&world, &balls[..780]));
     }
 
     #[test]
