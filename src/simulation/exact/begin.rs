@@ -6,12 +6,13 @@ use crate::simulation::ball::Ball;
 use crate::simulation::clock::Clock;
 use crate::simulation::grid::Grid;
 use crate::simulation::invariants::free;
+use crate::simulation::limits::DEFAULT_REST_SPEED;
 use crate::simulation::world::{Pairs, World};
 
 use super::calendar::Calendar;
 use super::carry::Carry;
 use super::cells::Cells;
-use super::events::{CREEP, LONGEST_YEAR, MANY, SHORTEST_YEAR};
+use super::events::{CREEP, LONGEST_INSTANT, LONGEST_YEAR, MANY, SHORTEST_YEAR};
 use super::flights::{Flight, Marks, Matter};
 use super::swept::Swept;
 use super::{Exact, Needs, impacts};
@@ -23,6 +24,7 @@ impl Exact {
     pub(in crate::simulation) fn new(world: &World, balls: &[Ball], rest_speed: f64) -> Self {
         let gravity = world.gravity.unwrap_or_default();
         let smallest = smallest_radius(balls);
+        let least_usual = counted_rest_speed(rest_speed.max(DEFAULT_REST_SPEED), gravity, balls);
         let rest_speed = counted_rest_speed(rest_speed, gravity, balls);
         let has_pairs = balls.len() > 1 && world.pairs.is_some();
         let ids = if has_pairs { by_place(world, balls) } else { (0..balls.len() as u32).collect() };
@@ -56,6 +58,7 @@ impl Exact {
             latest: 0.0,
             instant: 0.0,
             at_once: 0,
+            longest_instant: LONGEST_INSTANT * hop_time(least_usual, gravity),
             creep: CREEP / balls.len().max(MANY) as f64,
             pace: None,
             long_chatter: Marks::MOST_CHATTER,

@@ -21,7 +21,8 @@ const NOWHERE: f64 = 1e-8;
 const NOWHERE_OF_CHATTER: f64 = 2e-10;
 /// What counts as at one time ends after this part of chatter's time, however slowly events creep: as long as what rises at the rest
 /// speed needs to its top. What was stopped for want of room is pressed by gravity until then, and would be stopped again without end.
-const LONGEST_INSTANT: f64 = 0.5;
+/// Where the rest speed is less than the usual one, that counts.
+pub(super) const LONGEST_INSTANT: f64 = 0.5;
 
 /// Impacts of a ball in a year of the calendar, about. More, and the queue grows; fewer, and years change too often.
 const HITS_PER_YEAR: f64 = 1.0;
@@ -141,7 +142,7 @@ impl Exact {
     #[inline]
     fn take<N: Needs>(&mut self, tally: &mut Tally, entry: Entry) {
         let (slot, now) = (entry.ball as usize, entry.time);
-        let creeps = (self.creep * self.at_once as f64).min(LONGEST_INSTANT * self.chatter_time);
+        let creeps = (self.creep * self.at_once as f64).min(self.longest_instant);
         if now > self.instant + INSTANT + creeps || self.gets_on::<N>(slot, now) {
             (self.instant, self.at_once) = (now, 0);
         }
@@ -190,12 +191,16 @@ impl Exact {
         if since <= INSTANT || self.flights[slot].impact != now {
             return false;
         }
-        let Matter { radius, restitution, .. } = *self.matter::<N>(slot);
+        let Matter { mut radius, mut restitution, .. } = *self.matter::<N>(slot);
         let (_, velocity) = self.state::<N>(slot, now);
         let speed = match self.flights[slot].against.target() {
             Target::Nothing => 0.0,
             Target::Wall { axis, .. } => velocity[axis].abs(),
-            Target::Ball(other) => velocity.distance(self.state::<N>(other, now).1),
+            Target::Ball(other) => {
+                let theirs = self.matter::<N>(other);
+                (radius, restitution) = (radius.min(theirs.radius), restitution.min(theirs.restitution));
+                velocity.distance(self.state::<N>(other, now).1)
+            }
         };
         let elastic = || NOWHERE / self.flights.len().max(MANY) as f64;
         let least = radius * if restitution < 1.0 { NOWHERE_OF_CHATTER } else { elastic() };

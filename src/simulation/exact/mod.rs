@@ -113,6 +113,8 @@ pub(super) struct Exact {
     at_once: usize,
     /// How slowly events creep on average, s, that may count as at one time.
     creep: f64,
+    /// How long, s, events may at most that count as at one time.
+    longest_instant: f64,
     /// How impacts keep pace, where it stops once they do not.
     pace: Option<Pace>,
     /// After so many impacts in a row that are chatter a ball has chattered for long.
