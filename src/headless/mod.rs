@@ -139,7 +139,7 @@ impl RunError {
 /// That an output would go where an input is, and what to do.
 fn over_input(path: &Path) -> String {
     if output::is_stdout(path) {
-        "standard output goes to a file that is read, and would be written over; send it elsewhere".to_owned()
+        "standard output goes to a file that is read, and would be changed; send it elsewhere".to_owned()
     } else {
         format!("{} is read, and would be written over; give the output a path of its own", path.display())
     }

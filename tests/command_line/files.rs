@@ -56,8 +56,7 @@ fn nothing_that_goes_to_standard_output_is_appended_to_an_input() {
             let before = fs::read(here.path().join(name)).unwrap();
             let refused = appending(name, &[&run[..], output].concat());
             assert_eq!(refused.status.code(), Some(2), "{name} {output:?}");
-            let says =
-                "standard output goes to a file that is read, and would be written over; send it elsewhere";
+            let says = "standard output goes to a file that is read, and would be changed; send it elsewhere";
             assert!(stderr(&refused).contains(says), "{}", stderr(&refused));
             assert_eq!(fs::read(here.path().join(name)).unwrap(), before, "{output:?}");
         }
