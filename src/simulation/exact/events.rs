@@ -184,8 +184,8 @@ impl Exact {
         }
     }
 
-    /// Whether the events since the present time began get anywhere, however little time they take, by how fast this ball comes to what it
-    /// hits now: in a tube it may fall meanwhile, and with others in a row, too.
+    /// Whether the events since the present time began get anywhere, however little time they take, by how fast this ball is; or how
+    /// fast it comes to the wall that it hits now: in a tube it may fall meanwhile. What drives another one along gets on.
     fn gets_on<N: Needs>(&self, slot: usize, now: f64) -> bool {
         let since = now - self.instant;
         if since <= INSTANT || self.flights[slot].impact != now {
@@ -199,7 +199,7 @@ impl Exact {
             Target::Ball(other) => {
                 let theirs = self.matter::<N>(other);
                 (radius, restitution) = (radius.min(theirs.radius), restitution.min(theirs.restitution));
-                velocity.distance(self.state::<N>(other, now).1)
+                velocity.length()
             }
         };
         let elastic = || NOWHERE / self.flights.len().max(MANY) as f64;
