@@ -185,10 +185,10 @@ impl Exact {
     }
 
     /// Whether the events since the present time began get anywhere, however little time they take, by how fast this ball is; or how
-    /// fast it comes to the wall that it hits now: in a tube it may fall meanwhile. What drives another one along gets on.
+    /// fast it comes to the wall that it hits next: in a tube it may fall meanwhile. What drives another one along gets on.
     fn gets_on<N: Needs>(&self, slot: usize, now: f64) -> bool {
         let since = now - self.instant;
-        if since <= INSTANT || self.flights[slot].impact != now {
+        if since <= INSTANT {
             return false;
         }
         let Matter { mut radius, mut restitution, .. } = *self.matter::<N>(slot);
