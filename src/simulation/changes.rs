@@ -114,7 +114,8 @@ impl Simulation {
     /// Moves the walls, and brings balls that are then outside back in, keeping their velocities; what these are pushed
     /// into gives way, as far as there is room and balls bounce off each other, but not with [`Solver::Canvas`], as in the demo. Where
     /// no ball is fixed, and this would crush some or there is no room for all, the places of all are squeezed together instead, and a
-    /// pile rises as a liquid would. Fixed balls stay where they are. The world never becomes narrower than its widest ball, so that every size a window may take is allowed.
+    /// pile rises as a liquid would. Fixed balls stay where they are. The world never becomes narrower than its widest ball, so that
+    /// every size a window may take is allowed.
     ///
     /// # Errors
     /// [`OutOfRange`] where a side is NaN, infinite or larger than a world may be; nothing has changed then.

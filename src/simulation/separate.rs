@@ -46,8 +46,6 @@ const FULLEST: f64 = 0.84;
 const CRUSHED: f64 = 0.3;
 /// ... or by more than this on the way.
 const CRUSHED_ON_THE_WAY: f64 = 1.0;
-/// As many pairs may be crushed as there are.
-const UNLIMITED: [usize; 2] = [usize::MAX; 2];
 /// Up to this part of the world filled, balls that are brought in part from the others, wherever they come to.
 const ROOMY: f64 = 0.5;
 /// Where there are more pairs than so many a ball, they lie in one heap, which takes too long.
@@ -66,15 +64,17 @@ pub(super) fn bring_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way
     let fits = has_room(world, balls);
     let come_nearer = world.size.cmplt(from).any();
     if !(gives_way && come_nearer) || balls.iter().any(Ball::is_fixed) {
-        push_in(world, from, balls, gives_way && fits, UNLIMITED);
+        push_in(world, from, balls, gives_way && fits, None);
         return true;
     }
-    let before = [CRUSHED_ON_THE_WAY, CRUSHED].map(|depth| deep_pairs(world, balls, depth));
-    let begun = balls.to_vec();
-    if fits && push_in(world, from, balls, true, before) == Push::Moves {
-        return true;
+    if fits {
+        let before = [CRUSHED_ON_THE_WAY, CRUSHED].map(|depth| deep_pairs(world, balls, depth));
+        let begun = balls.to_vec();
+        if push_in(world, from, balls, true, Some(before)) == Push::Moves {
+            return true;
+        }
+        balls.copy_from_slice(&begun);
     }
-    balls.copy_from_slice(&begun);
     squeeze(world, from.max(world.size), balls);
     if fits {
         // None of them is in front of another any more.
@@ -92,8 +92,14 @@ enum Push {
 }
 
 /// Has walls that move from where they are in a world of one size push balls, and these others, where that `gives_way`, as long as no
-/// more pairs than so many are crushed on the way, and in the end.
-fn push_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool, most: [usize; 2]) -> Push {
+/// more pairs than so many are crushed on the way, and in the end, if that counts.
+fn push_in(
+    world: &World,
+    from: DVec2,
+    balls: &mut [Ball],
+    gives_way: bool,
+    most: Option<[usize; 2]>,
+) -> Push {
     let smallest = balls.iter().map(|ball| ball.radius).fold(f64::INFINITY, f64::min);
     let far = if gives_way { (from - world.size).max_element() / smallest } else { 0.0 };
     let steps = far.ceil().clamp(1.0, STEPS) as u32;
@@ -107,13 +113,11 @@ fn push_in(world: &World, from: DVec2, balls: &mut [Ball], gives_way: bool, most
             ball.position = inside;
         }
         if pushed && gives_way {
-            let (sweeps, depth, most) = if step == steps {
-                (most_sweeps(balls), CRUSHED, most[1])
-            } else {
-                (SWEEPS_OF_STEP, CRUSHED_ON_THE_WAY, most[0])
-            };
+            let last = step == steps;
+            let (sweeps, depth) =
+                if last { (most_sweeps(balls), CRUSHED) } else { (SWEEPS_OF_STEP, CRUSHED_ON_THE_WAY) };
             take_apart_in(&world, balls, from.cmpgt(world.size), 0..sweeps);
-            if most < usize::MAX && deep_pairs(&world, balls, depth) > most {
+            if most.is_some_and(|most| deep_pairs(&world, balls, depth) > most[usize::from(last)]) {
                 return Push::Crushes;
             }
         }
@@ -136,7 +140,7 @@ pub(super) fn bring_strays_in(world: &World, balls: &mut [Ball], solver: Solver)
     if found {
         let free = balls.iter().filter(|ball| !ball.is_fixed());
         let from = free.fold(world.size, |size, ball| size.max(ball.position + ball.radius));
-        push_in(world, from, balls, true, UNLIMITED);
+        push_in(world, from, balls, true, None);
     }
     found
 }

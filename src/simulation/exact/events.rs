@@ -202,9 +202,9 @@ impl Exact {
                 velocity.length()
             }
         };
-        let elastic = || NOWHERE / self.flights.len().max(MANY) as f64;
-        let least = radius * if restitution < 1.0 { NOWHERE_OF_CHATTER } else { elastic() };
-        since * speed > least * self.at_once as f64
+        let many = self.flights.len().max(MANY) as f64;
+        let nowhere = if restitution < 1.0 { NOWHERE_OF_CHATTER } else { NOWHERE / many };
+        since * speed > radius * nowhere * self.at_once as f64
     }
 
     /// Counts an event at the present time.

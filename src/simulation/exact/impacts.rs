@@ -335,9 +335,9 @@ impl Exact {
         if N::HOLDS && self.marks[slot].rests() != 0 && change != DVec2::ZERO {
             // A ball that is given a speed across the wall it rests on flies again, and along both axes where others had stopped it.
             for axis in 0..2 {
-                let stays = change[axis] == 0.0 && self.stands_on_wall::<N>(slot, axis);
-                let rests = self.marks[slot].has(Marks::rests_on(axis)) && stays;
-                self.marks[slot].set(Marks::rests_on(axis), rests);
+                if change[axis] != 0.0 || !self.stands_on_wall::<N>(slot, axis) {
+                    self.marks[slot].set(Marks::rests_on(axis), false);
+                }
             }
         }
         let marks = &mut self.marks[slot];
